@@ -1,0 +1,51 @@
+r"""The distortion-free camera: f, x0, y0."""
+
+from __future__ import annotations
+
+from numba import njit
+
+from graphos_core.cameras.model import CameraModel, Parameter
+from graphos_core.data.record import Array
+
+INTERIOR = (
+    Parameter("focal_px", "f", "Principal distance", "px", "interior"),
+    Parameter("x0", "x_0", "Principal point x", "px", "interior"),
+    Parameter("y0", "y_0", "Principal point y", "px", "interior"),
+)
+
+MODEL = CameraModel(
+    name="pinhole",
+    label="Distortion-free",
+    code=0,
+    parameters=INTERIOR,
+    direction="ideal → measured (nothing is distorted)",
+    source="Luhmann et al. 2020, Close-Range Photogrammetry and 3D Imaging, section 3.3.2",
+    formula=r"x = f\,\frac{X}{Z} + x_0,\quad y = f\,\frac{Y}{Z} + y_0",
+)
+
+
+@njit(cache=True, nogil=True)
+def kernel(
+    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
+) -> bool:
+    """Project one point with derivatives; see `graphos_core.cameras.model` for the signature."""
+    if z <= 0.0:
+        return False
+    f = values[0]
+    u = x / z
+    v = y / z
+    pixel[0] = f * u + values[1]
+    pixel[1] = f * v + values[2]
+    d_point[0, 0] = f / z
+    d_point[0, 1] = 0.0
+    d_point[0, 2] = -f * u / z
+    d_point[1, 0] = 0.0
+    d_point[1, 1] = f / z
+    d_point[1, 2] = -f * v / z
+    d_values[0, 0] = u
+    d_values[1, 0] = v
+    d_values[0, 1] = 1.0
+    d_values[1, 1] = 0.0
+    d_values[0, 2] = 0.0
+    d_values[1, 2] = 1.0
+    return True

@@ -1,0 +1,1 @@
+"""Room 1, preprocessing: making photos easier to match."""

@@ -1,0 +1,145 @@
+"""The roles algorithms play in the five rooms, and the exact signature of each role.
+
+An algorithm is declared with ``@algorithm(stage=…, role=…)`` (see `graphos_core.registry`) and must be callable as
+its role's protocol says; the pipeline drives any algorithm of a role by this signature alone. Every function is
+pure: it prints nothing, reads no settings, and gives the same result for the same inputs, parameters and
+``run.seed``, whatever ``run.threads`` is.
+
+========================  =====================  =========================================================
+stage                     role                   protocol
+========================  =====================  =========================================================
+preprocessing             filter                 `Filter`, one photo; filters form a chain
+features                  detector               `Detector`, one photo
+features                  matcher                `Matcher`, one pair: candidate matches
+features                  verification           `Verification`, one pair: verified matches
+features                  tracks                 `TrackBuilder`, all pairs
+adjustment                orientation            `Orientation`, tracks to oriented block
+adjustment                bundle                 `BundleAdjustment`, block to adjusted block
+adjustment                georeferencing         `Georeferencing`, adjusted block to the object frame
+dense                     depth                  `DepthEstimation`, adjusted block and photos to depth maps
+dense                     fusion                 `Fusion`, depth maps to cloud
+quality                   registration           `Registration`, cloud to reference
+quality                   comparison             `Comparison`, cloud against reference
+========================  =====================  =========================================================
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
+
+from graphos_core.data import (
+    Adjustment,
+    Array,
+    Block,
+    Camera,
+    Control,
+    ControlObservations,
+    Features,
+    Georeference,
+    KnownDistance,
+    PairMatches,
+    PhotoSet,
+    Tracks,
+    record,
+)
+from graphos_core.run import Run
+
+Reader = Callable[[int], Array]
+"""Reads photo i, upright, as uint8 (h, w) or (h, w, 3) RGB; 16 bit and preprocessing already applied."""
+
+
+@record
+class ComparisonResult:
+    """Distances of a cloud from a reference.
+
+    Attributes
+    ----------
+    distances : float64 (n,)
+        Signed distance of each cloud point, positive on the outside (along the reference normal), in `unit`.
+    statistics : dict of str to float
+        ``count, mean, std, rmse, median, nmad, q68, q95`` (quantiles of the absolute distance), in `unit`.
+    unit : str
+    definition : str
+        How distances were taken, in one sentence.
+    """
+
+    distances: Array
+    statistics: dict[str, float]
+    unit: str
+    definition: str
+
+
+class Filter(Protocol):
+    """Image in, image out: uint8 or uint16 (h, w) or (h, w, 3) RGB to uint8 (h, w) or (h, w, 3)."""
+
+    def __call__(self, image: Array, params: Any, *, run: Run) -> Array: ...
+
+
+class Detector(Protocol):
+    """Grey photo uint8 (h, w), and the colour one for `Features.colour`, to features."""
+
+    def __call__(self, grey: Array, colour: Array, params: Any, *, run: Run) -> Features: ...
+
+
+class Matcher(Protocol):
+    """Features of two photos to candidate matches int32 (n, 2)."""
+
+    def __call__(self, a: Features, b: Features, params: Any, *, run: Run) -> Array: ...
+
+
+class Verification(Protocol):
+    """Candidate matches of a pair to verified ones. `index` is (a, b), `cameras` the camera of each photo."""
+
+    def __call__(
+        self,
+        index: tuple[int, int],
+        a: Features,
+        b: Features,
+        candidates: Array,
+        cameras: tuple[Camera, Camera],
+        params: Any,
+        *,
+        run: Run,
+    ) -> PairMatches: ...
+
+
+class TrackBuilder(Protocol):
+    """Features of all photos and all verified pairs to tracks."""
+
+    def __call__(
+        self, features: Sequence[Features], pairs: Sequence[PairMatches], params: Any, *, run: Run
+    ) -> Tracks: ...
+
+
+class Orientation(Protocol):
+    """Photos, tracks and verified pairs to an oriented block (not yet finally adjusted)."""
+
+    def __call__(
+        self, photos: PhotoSet, tracks: Tracks, pairs: Sequence[PairMatches], params: Any, *, run: Run
+    ) -> Block: ...
+
+
+class BundleAdjustment(Protocol):
+    """Block to adjusted block with statistics."""
+
+    def __call__(self, block: Block, params: Any, *, run: Run) -> Adjustment: ...
+
+
+class Georeferencing(Protocol):
+    """Adjusted block and what is known in object space to the block in metres; unchanged when nothing is known."""
+
+    def __call__(
+        self,
+        adjustment: Adjustment,
+        control: Control | None,
+        measured: ControlObservations | None,
+        distance: KnownDistance | None,
+        params: Any,
+        *,
+        run: Run,
+    ) -> tuple[Adjustment, Georeference]: ...
+
+
+class DepthEstimation(Protocol):
+    """Adjusted block and a reader of its photos to consistent depth maps, one per photo that has neighbours."""

@@ -1,0 +1,1 @@
+"""What teaches: scenes, simulators, explanations and labs; runs without any window."""

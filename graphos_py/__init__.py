@@ -1,0 +1,1 @@
+"""The desktop application: the only floor that knows the screen."""

@@ -1,0 +1,1 @@
+"""The workflow tabs, one per step."""

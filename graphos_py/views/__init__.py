@@ -1,0 +1,1 @@
+"""Views of results: images, matches, clouds, plots, tables and scenes."""

@@ -1,0 +1,1 @@
+"""Data of the program: icons, style, lessons, labs, the camera table and translations."""
