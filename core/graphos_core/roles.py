@@ -33,16 +33,20 @@ from graphos_core.data import (
     Array,
     Block,
     Camera,
+    Cloud,
     Control,
     ControlObservations,
+    DepthMap,
     Features,
     Georeference,
     KnownDistance,
+    Mesh,
     PairMatches,
     PhotoSet,
     Tracks,
     record,
 )
+from graphos_core.geometry.similarity import Similarity
 from graphos_core.run import Run
 
 Reader = Callable[[int], Array]
@@ -143,3 +147,29 @@ class Georeferencing(Protocol):
 
 class DepthEstimation(Protocol):
     """Adjusted block and a reader of its photos to consistent depth maps, one per photo that has neighbours."""
+
+    def __call__(self, block: Block, read: Reader, params: Any, *, run: Run) -> tuple[DepthMap, ...]: ...
+
+
+class Fusion(Protocol):
+    """Depth maps of a block and a reader of its photos (for the colours) to one cloud in the block's frame."""
+
+    def __call__(
+        self, block: Block, maps: Sequence[DepthMap], read: Reader, params: Any, *, run: Run
+    ) -> Cloud: ...
+
+
+class Registration(Protocol):
+    """Cloud, reference and, where known, a first similarity ``reference_from_cloud`` to a better one."""
+
+    def __call__(
+        self, cloud: Cloud, reference: Cloud | Mesh, initial: Similarity | None, params: Any, *, run: Run
+    ) -> Similarity: ...
+
+
+class Comparison(Protocol):
+    """Cloud against a reference in the same frame: signed distances and their statistics."""
+
+    def __call__(
+        self, cloud: Cloud, reference: Cloud | Mesh, params: Any, *, run: Run
+    ) -> ComparisonResult: ...
