@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any, TypeAlias, TypeVar, dataclass_transform
+from typing import Any, TypeAlias, TypeVar, cast, dataclass_transform
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,6 @@ def record(cls: Cls) -> Cls:
                 object.__setattr__(self, field.name, view)
 
     cls.__post_init__ = __post_init__  # type: ignore[attr-defined]
-    frozen: Cls = dataclasses.dataclass(frozen=True, kw_only=True, eq=False)(cls)
+    frozen = cast(Cls, dataclasses.dataclass(frozen=True, kw_only=True, eq=False)(cls))
     RECORDS[cls.__name__] = frozen
     return frozen
