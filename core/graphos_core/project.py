@@ -374,9 +374,12 @@ def _read_photos(folder: Path, settings: Settings, store: Store, run: Run, *, wr
         loaded: PhotoSet = store.load("photos", key)
         return loaded
     found = read_photo_set(
-        folder, run=run, focal_px=settings.focal_px, principal_point=settings.principal_point,
-        excluded=settings.excluded,
-    )  # fmt: skip
+        folder, run=run, focal_px=settings.focal_px, principal_point=settings.principal_point
+    )
+    kept = tuple(p for p in found.photos if p.name not in settings.excluded)
+    if not kept:
+        raise UserError("No photo is left.", "All photos are switched off.", "Switch at least two photos on.")
+    found = replace(found, photos=kept)
     if write:
         store.save("photos", key, found, {"what": "photo headers"})
     return found

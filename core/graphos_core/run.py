@@ -26,11 +26,14 @@ class Run:
         How many threads `map_items` may use; results do not depend on it.
     seed : int
         Seed of every random step, from the recipe.
+    warnings : list of str
+        What `warn` was told.
     """
 
     def __init__(self, *, threads: int | None = None, seed: int = 0) -> None:
         self.threads = max(1, threads or os.cpu_count() or 1)
         self.seed = seed
+        self.warnings: list[str] = []
         self._stop = threading.Event()
 
     def progress(self, done: float, total: float, what: str) -> None:
@@ -40,7 +43,8 @@ class Run:
         """Tell one sentence for the log."""
 
     def warn(self, text: str) -> None:
-        """Tell one sentence that belongs into the report's warnings."""
+        """Tell one sentence that belongs into the report's warnings; subclasses call this one too."""
+        self.warnings.append(text)
 
     def show(self, key: str, value: Any) -> None:
         """Offer a partial result (an iteration record, an intermediate image) to whoever looks."""
@@ -68,7 +72,6 @@ class ConsoleRun(Run):
         self._live = stream.isatty()
         self._last = 0.0
         self._open = False
-        self.warnings: list[str] = []
 
     def progress(self, done: float, total: float, what: str) -> None:
         """Rewrite the progress line at most ten times a second."""
@@ -88,7 +91,7 @@ class ConsoleRun(Run):
 
     def warn(self, text: str) -> None:
         """Print the warning and keep it for the report."""
-        self.warnings.append(text)
+        super().warn(text)
         self.say(f"Warning: {text}")
 
 

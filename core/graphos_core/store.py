@@ -15,6 +15,7 @@ import os
 import shutil
 import uuid
 import zipfile
+from collections import OrderedDict
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,9 @@ import numpy as np
 from graphos_core.data.record import RECORDS
 from graphos_core.errors import ItemFailure, UserError
 from graphos_core.text import Text
+
+KEPT = 16
+"""Results kept in memory after they were read."""
 
 FORMAT = 1
 """Raised when the layout of a stored result changes; other versions are not read."""
@@ -101,6 +105,7 @@ class Store:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        self._recent: OrderedDict[tuple[str, str], Any] = OrderedDict()
 
     def path(self, stage: str, key: str) -> Path:
         """Folder of one result, whether it exists or not."""
@@ -186,6 +191,16 @@ class Store:
         UserError
             When it is not there, damaged, or of another format.
         """
+        if (stage, key) in self._recent:
+            self._recent.move_to_end((stage, key))
+            return self._recent[stage, key]
+        value = self._read(stage, key)
+        self._recent[stage, key] = value
+        while len(self._recent) > KEPT:
+            self._recent.popitem(last=False)
+        return value
+
+    def _read(self, stage: str, key: str) -> Any:
         folder = self.path(stage, key)
         try:
             document = json.loads((folder / "result.json").read_text("utf-8"))
@@ -219,7 +234,12 @@ class Store:
         """Delete one result that the person chose; its name must be a plain key."""
         if Path(key).name != key or key.startswith("."):
             raise ValueError(key)
+        self._recent.pop((stage, key), None)
         shutil.rmtree(self.path(stage, key), ignore_errors=True)
+
+    def abandon(self, begun: Path) -> None:
+        """Remove a temporary folder from `begin` whose work failed or was stopped."""
+        shutil.rmtree(begun, ignore_errors=True)
 
     def sweep(self) -> None:
         """Remove what killed runs left half written."""

@@ -1,0 +1,243 @@
+"""What the pipeline computes, step by step: each step has a key made of its inputs and a function that computes it.
+
+A stage (a room) has one to three steps, so changing a parameter repeats only what depends on it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import cv2
+import numpy as np
+
+from graphos_core.data import Array, Block, Cloud, Features, PhotoSet
+from graphos_core.errors import ItemFailure, UserError
+from graphos_core.images import read_pixels
+from graphos_core.registry import Stage
+from graphos_core.run import Run, each
+from graphos_core.text import Text
+
+if TYPE_CHECKING:
+    from graphos_core.pipeline import Pipeline
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step.
+
+    Attributes
+    ----------
+    name : str
+        Folder in the store.
+    stage : Stage
+    after : str
+        Step whose result it takes; empty for the photos themselves.
+    roles : tuple of str
+        Roles whose algorithms and parameters are part of its key.
+    compute : callable
+        ``compute(pipeline, folder, run) -> value``; files that belong to the result go into `folder`.
+    inputs : callable
+        Further parts of the key beside algorithms, parameters, seed and the step before.
+    line : callable
+        One line about the value for the ribbon.
+    """
+
+    name: str
+    stage: Stage
+    after: str
+    roles: tuple[str, ...]
+    compute: Callable[[Pipeline, Path, Run], Any]
+    line: Callable[[Any], str]
+    inputs: Callable[[Pipeline], Any] = lambda pipeline: None
+
+
+def photo_grey_and_colour(pipeline: Pipeline, index: int) -> tuple[Array, Array]:
+    """Return photo `index` as features see it, uint8 grey (h, w), and its colours (h, w, 3)."""
+    photo = pipeline.photos.photos[index]
+    colour = to_uint8(read_pixels(photo))
+    files = pipeline.value("images").files
+    if files:
+        grey = cv2.imdecode(
+            np.fromfile(files_path(pipeline, files[index]), dtype=np.uint8), cv2.IMREAD_GRAYSCALE
+        )
+        if grey is None:
+            raise UserError(Text("The preprocessed image of {name} cannot be read.", name=photo.name),
+                            todo="Run preprocessing again.")  # fmt: skip
+    else:
+        grey = cv2.cvtColor(colour, cv2.COLOR_RGB2GRAY) if colour.ndim == 3 else colour
+    return np.asarray(grey), colour if colour.ndim == 3 else np.repeat(colour[:, :, None], 3, axis=2)
+
+
+def files_path(pipeline: Pipeline, name: str) -> Path:
+    """Return the path of a file that belongs to the preprocessing result."""
+    return pipeline.project.store.path("images", pipeline.key("images")) / name
+
+
+def to_uint8(pixels: Array) -> Array:
+    """Return 8-bit pixels; 16 bit is stretched from its 0.1 % to its 99.9 % quantile."""
+    if pixels.dtype == np.uint8:
+        return pixels
+    low, high = np.percentile(pixels, (0.1, 99.9))
+    scaled = (pixels.astype(np.float32) - low) * (255.0 / max(high - low, 1.0))
+    return np.clip(np.rint(scaled), 0, 255).astype(np.uint8)
+
+
+def _images(pipeline: Pipeline, folder: Path, run: Run) -> Any:
+    from graphos_core.results import PreprocessingResult
+
+    chain = pipeline.recipe.algorithms("preprocessing", "filter")
+    if not chain:
+        return PreprocessingResult()
+    files: list[str] = []
+    failures: list[ItemFailure] = []
+    for index, photo in enumerate(each(run, pipeline.photos.photos, "photos")):
+        image = read_pixels(photo)
+        for algorithm, params in chain:
+            run.check()
+            image = algorithm.function(image, params, run=run)
+        name = f"{index:05d}.png"
+        done, encoded = cv2.imencode(".png", image if image.ndim == 2 else image[:, :, ::-1])
+        if not done:
+            failures.append(ItemFailure(photo.name, "The filtered image could not be encoded."))
+        (folder / name).write_bytes(encoded.tobytes())
+        files.append(name)
+        run.show("image", (index, image))
+    return PreprocessingResult(files=tuple(files), failures=tuple(failures))
+
+
+def _keypoints(pipeline: Pipeline, folder: Path, run: Run) -> tuple[Features, ...]:
+    from graphos_core.features.stage import detect_all
+
+    algorithm, params = pipeline.recipe.algorithm("features", "detector")
+    count = len(pipeline.photos.photos)
+    return tuple(detect_all(count, lambda i: photo_grey_and_colour(pipeline, i), algorithm, params, run))
+
+
+def _matches(pipeline: Pipeline, folder: Path, run: Run) -> Any:
+    from graphos_core.features.stage import match_all
+    from graphos_core.results import FeaturesResult
+
+    photos = pipeline.photos
+    features: tuple[Features, ...] = pipeline.value("keypoints")
+    cameras = [photos.cameras[p.camera] for p in photos.photos]
+    pairs = match_all(
+        features, cameras, pipeline.recipe.algorithm("features", "matcher"),
+        pipeline.recipe.algorithm("features", "verification"), run,
+    )  # fmt: skip
+    builder, params = pipeline.recipe.algorithm("features", "tracks")
+    tracks = builder.function(features, pairs, params, run=run)
+    return FeaturesResult(features=(), pairs=tuple(pairs), tracks=tracks)
+
+
+def _orientation(pipeline: Pipeline, folder: Path, run: Run) -> Block:
+    algorithm, params = pipeline.recipe.algorithm("adjustment", "orientation")
+    matched = pipeline.value("matches")
+    block: Block = algorithm.function(pipeline.photos, matched.tracks, matched.pairs, params, run=run)
+    return block
+
+
+def _adjustment(pipeline: Pipeline, folder: Path, run: Run) -> Any:
+    algorithm, params = pipeline.recipe.algorithm("adjustment", "bundle")
+    return algorithm.function(pipeline.value("orientation"), params, run=run)
+
+
+def _georeference(pipeline: Pipeline, folder: Path, run: Run) -> Any:
+    from graphos_core.results import AdjustmentResult
+
+    algorithm, params = pipeline.recipe.algorithm("adjustment", "georeferencing")
+    control, measured = pipeline.project.control()
+    distance = pipeline.project.known_distance()
+    placed, georeference = algorithm.function(
+        pipeline.value("adjustment"), control, measured, distance, params, run=run
+    )
+    return AdjustmentResult(adjustment=placed, georeference=georeference)
+
+
+def _known(pipeline: Pipeline) -> Any:
+    settings = pipeline.project.settings
+    digests = []
+    for path in sorted(pipeline.project.folder.glob("control*")) if settings.control else []:
+        digests.append([path.name, hashlib.sha256(path.read_bytes()).hexdigest()])
+    return {"control": digests, "distance": settings.distance}
+
+
+def block_reader(photos: PhotoSet) -> Callable[[int], Array]:
+    """Return a function that reads photo i as uint8 RGB (h, w, 3) or grey (h, w)."""
+    return lambda index: to_uint8(read_pixels(photos.photos[index]))
+
+
+def _depth(pipeline: Pipeline, folder: Path, run: Run) -> Any:
+    algorithm, params = pipeline.recipe.algorithm("dense", "depth")
+    block = pipeline.value("georeference").adjustment.block
+    return tuple(algorithm.function(block, block_reader(pipeline.photos), params, run=run))
+
+
+def _cloud(pipeline: Pipeline, folder: Path, run: Run) -> Cloud:
+    algorithm, params = pipeline.recipe.algorithm("dense", "fusion")
+    block = pipeline.value("georeference").adjustment.block
+    cloud: Cloud = algorithm.function(
+        block, pipeline.value("depth"), block_reader(pipeline.photos), params, run=run
+    )
+    return cloud
+
+
+def _quality(pipeline: Pipeline, folder: Path, run: Run) -> Any:
+    from graphos_core.quality.stage import assess
+
+    return assess(pipeline, run)
+
+
+def _reference(pipeline: Pipeline) -> Any:
+    path = pipeline.project.reference_path()
+    if path is None:
+        return None
+    if not path.is_file():
+        raise UserError(Text("The reference {name} does not exist.", name=path.name),
+                        todo="Choose the reference file again.")  # fmt: skip
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _features_line(found: Any) -> str:
+    good = sum(1 for pair in found.pairs if not pair.reason)
+    return Text("{pairs} pairs · {tracks} tracks", pairs=good, tracks=found.tracks.count)
+
+
+def _adjustment_line(found: Any) -> str:
+    a = found.adjustment
+    return Text(
+        "{oriented} of {total} photos · σ0 {sigma0:.2f} px",
+        oriented=int(a.block.oriented.sum()), total=len(a.block.names), sigma0=a.sigma0_px,
+    )  # fmt: skip
+
+
+STEPS: dict[str, Step] = {
+    step.name: step
+    for step in (
+        Step("images", "preprocessing", "", ("filter",), _images,
+             lambda v: Text("{n} photos filtered", n=len(v.files)) if v.files else Text("photos as they are")),
+        Step("keypoints", "features", "images", ("detector",), _keypoints,
+             lambda v: Text("{n} keypoints", n=sum(len(f.xy) for f in v))),
+        Step("matches", "features", "keypoints", ("matcher", "verification", "tracks"), _matches, _features_line,
+             lambda pipeline: pipeline.project.photos_key()["cameras"]),
+        Step("orientation", "adjustment", "matches", ("orientation",), _orientation,
+             lambda v: Text("{n} of {total} photos oriented", n=int(v.oriented.sum()), total=len(v.names))),
+        Step("adjustment", "adjustment", "orientation", ("bundle",), _adjustment,
+             lambda v: Text("σ0 {s:.2f} px", s=v.sigma0_px)),
+        Step("georeference", "adjustment", "adjustment", ("georeferencing",), _georeference, _adjustment_line, _known),
+        Step("depth", "dense", "georeference", ("depth",), _depth, lambda v: Text("{n} depth maps", n=len(v))),
+        Step("cloud", "dense", "depth", ("fusion",), _cloud, lambda v: Text("{n} points", n=len(v.points))),
+        Step("quality", "quality", "cloud", ("registration", "comparison"), _quality,
+             lambda v: Text("{n} points compared", n=len(v.comparison.distances)) if v.comparison
+             else Text("internal figures"), _reference),
+    )
+}  # fmt: skip
+"""Every step by name, in order."""
+
+
+def steps_of(stage: Stage) -> list[Step]:
+    """Return the steps of a stage in order."""
+    return [step for step in STEPS.values() if step.stage == stage]
