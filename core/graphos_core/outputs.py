@@ -127,11 +127,7 @@ def _publish(folder: Path, home: Path) -> None:
             continue
         target.parent.mkdir(exist_ok=True)
         temporary = target.with_name(f".{target.name}.part")
-        temporary.unlink(missing_ok=True)
-        try:
-            temporary.hardlink_to(source)
-        except (OSError, NotImplementedError):
-            shutil.copyfile(source, temporary)
+        shutil.copyfile(source, temporary)
         temporary.replace(target)
 
 

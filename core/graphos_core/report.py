@@ -20,7 +20,7 @@ key                    meaning
                        ``mean_rays_per_point``; ``unit`` (``m`` or ``model units``); ``datum``; ``converged``;
                        ``iterations``; ``photos[]`` with ``name``, ``centre``, ``sigma_centre`` (in ``unit``),
                        ``omega_phi_kappa_deg``, ``sigma_rotation_deg``, ``observations``, ``rms_px``
-``georeferencing``     ``method``; ``scale`` (m per model unit); ``rms_m`` and ``check_rms_m`` per coordinate (null where
+``georeferencing``     ``method``; ``scale`` (m per model unit); ``origin_m`` (add it to coordinates); ``rms_m`` and ``check_rms_m`` per coordinate (null where
                        there are none); ``points[]`` with ``name, check, residual_m``
 ``dense``              ``points``; ``depth_maps``; ``unit``
 ``quality``            internal ``figures``; ``advice[]``; ``comparison`` (``statistics``, ``unit``, ``definition``) or null
@@ -188,6 +188,7 @@ def _georeferencing(found: Georeference) -> dict[str, Any]:
     return {
         "method": found.method,
         "scale": found.scale,
+        "origin_m": found.origin,
         "rms_m": found.rms_m,
         "check_rms_m": found.check_rms_m,
         "points": [

@@ -1,0 +1,230 @@
+"""What the words of the command line do."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import textwrap
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, cast
+
+from graphos_core import registry
+from graphos_core.errors import UserError
+from graphos_core.outputs import check_writable, write_outputs
+from graphos_core.params import unknown_name
+from graphos_core.pipeline import Pipeline
+from graphos_core.project import FILE, Project
+from graphos_core.recipe import Recipe
+from graphos_core.registry import STAGES, Algorithm, Stage
+from graphos_core.report import build_report
+from graphos_core.run import ConsoleRun, Run
+from graphos_core.text import Text
+
+
+def console(options: argparse.Namespace, seed: int = 0) -> ConsoleRun:
+    """Return the run that prints on the error stream."""
+    return ConsoleRun(sys.stderr, threads=options.threads, seed=seed)
+
+
+def run(options: argparse.Namespace) -> int:
+    """``graphos run``: photos or project to model and report."""
+    check_writable(options.out)
+    recipe = _recipe(options)
+    progress = console(options, recipe.seed)
+    project = _project(options, recipe.seed, progress)
+    pipeline = Pipeline(project, recipe)
+    folder = run_pipeline(pipeline, cast(Stage, options.until), progress)
+    _print_summary(build_report(pipeline), folder)
+    return 0
+
+
+def run_pipeline(pipeline: Pipeline, until: Stage, progress: Run) -> Path:
+    """Run all stages up to `until` and write the outputs, also of what was finished when a later stage fails."""
+    made = datetime.now(UTC).isoformat(timespec="seconds")
+    for failure in pipeline.photos.failures:
+        progress.warn(f"{failure.item} is not used: {failure.reason}")
+    for camera in pipeline.photos.cameras:
+        if camera.focal_estimated:
+            progress.warn(
+                f"The principal distance of {camera.label or 'the camera'} is an estimate: {camera.focal_source}"
+            )
+    try:
+        for stage in STAGES[: STAGES.index(until) + 1]:
+            known = pipeline.state(stage).status == "done"
+            started = time.perf_counter()
+            pipeline.run(stage, progress, with_earlier=False)
+            line = pipeline.state(stage).line
+            seconds = "from an earlier run" if known else f"{time.perf_counter() - started:.1f} s"
+            progress.say(f"{stage:14} {line}  ({seconds})")
+    except UserError:
+        if pipeline.result("features") is not None:
+            write_outputs(pipeline, made)
+        raise
+    return write_outputs(pipeline, made)
+
+
+def _recipe(options: argparse.Namespace) -> Recipe:
+    recipe = Recipe.load(options.recipe) if options.recipe else Recipe.default()
+    if options.seed is not None:
+        recipe = recipe.with_seed(options.seed)
+    if options.calibration is not None:
+        recipe = recipe.set(f"adjustment.schur.calibration={options.calibration}")
+        recipe = recipe.set(
+            f"adjustment.incremental.self_calibration={str(options.calibration == 'basic').lower()}"
+        )
+    for assignment in options.assignments:
+        recipe = recipe.set(assignment)
+    return recipe
+
+
+def _project(options: argparse.Namespace, seed: int, progress: Run) -> Project:
+    settings: dict[str, Any] = {
+        "focal_px": options.focal_px, "principal_point": options.principal_point, "distance": options.distance,
+    }  # fmt: skip
+    settings = {k: v for k, v in settings.items() if v is not None} | {"seed": seed}
+    if options.reference is not None:
+        if not options.reference.is_file():
+            raise UserError(
+                Text("The reference {name} does not exist.", name=options.reference), todo="Check the path."
+            )
+        settings["reference"] = os.path.relpath(options.reference.resolve(), options.out.resolve())
+    if (options.source / FILE).is_file() or options.source.name == FILE:
+        source = Project.open(options.source, run=progress)
+        if source.folder.resolve() == options.out.resolve():
+            return source.change(progress, **settings, **_control(options))
+        kept = {
+            k: getattr(source.settings, k) for k in ("excluded", "focal_px", "principal_point", "distance")
+        }
+        if source.settings.control and options.control is None:
+            options.control = source.folder / source.settings.control
+        return Project.create(
+            options.out,
+            source.photos_folder,
+            name=source.name,
+            run=progress,
+            **(kept | settings),
+            **_control(options),
+        )
+    return Project.create(options.out, options.source, run=progress, **settings, **_control(options))
+
+
+def _control(options: argparse.Namespace) -> dict[str, Path]:
+    return {"control": options.control} if options.control is not None else {}
+
+
+def _print_summary(report: dict[str, Any], folder: Path) -> None:
+    images, orientation, dense = report["images"], report.get("orientation"), report.get("dense")
+    rows = [("Photos oriented", f"{images['oriented']} of {images['total']}")]
+    if orientation:
+        rows.append(("Reprojection RMS (per coordinate)", f"{orientation['reprojection_rms_px']:.3f} px"))
+        rows.append(("Object points", f"{orientation['points']}"))
+    if dense:
+        rows.append(("Dense points", f"{dense['points']}"))
+    rows.append(("Report", str(folder.parent.parent / "report.html")))
+    for label, value in rows:
+        print(f"{label:34} {value}")
+
+
+def simulate(options: argparse.Namespace) -> int:
+    """``graphos simulate``: photos of a theoretical model with known truth."""
+    from graphos_core.simulation.photo_block import simulate_photos
+    from graphos_core.simulation.templates import TEMPLATES
+
+    if options.template not in TEMPLATES:
+        raise UserError(unknown_name(options.template, list(TEMPLATES), "template"))
+    sheet = TEMPLATES[options.template].params
+    declarations = sheet.declarations()
+    values = {}
+    for assignment in options.assignments:
+        name, equals, text = assignment.partition("=")
+        if not equals:
+            raise UserError(
+                Text("“{text}” is not an assignment.", text=assignment), todo="Write PARAMETER=VALUE."
+            )
+        if name not in declarations:
+            raise UserError(unknown_name(name, declarations, f"parameter of {options.template}"))
+        values[name] = declarations[name].parse(text)
+    check_writable(options.out)
+    progress = console(options, options.seed or 0)
+    block = simulate_photos(
+        options.template, options.out, params=sheet.from_dict(values), width=options.width, height=options.height,
+        seed=options.seed or 0, run=progress,
+    )  # fmt: skip
+    print(f"{len(block.names)} photos with truth in {options.out}")
+    return 0
+
+
+def demo_folder(options: argparse.Namespace) -> Path:
+    """Return the folder of the demo's project."""
+    out: Path = options.out or Path("demo")
+    return out / "model"
+
+
+def demo(options: argparse.Namespace) -> int:
+    """``graphos demo``: simulate, run, and compare with the truth."""
+    from graphos_core.demo import run_demo
+
+    out = options.out or Path("demo")
+    check_writable(out)
+    progress = console(options, options.seed or 0)
+    for label, value in run_demo(out, options.photos, progress):
+        print(f"{label:46} {value}")
+    return 0
+
+
+def has_display() -> bool:
+    """Say whether a window can be opened here."""
+    if sys.platform.startswith("linux"):
+        return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+    return True
+
+
+def list_algorithms(options: argparse.Namespace) -> int:
+    """``graphos list``: algorithms by room and role."""
+    for problem in registry.problems():
+        print(f"Warning: {problem}", file=sys.stderr)
+    default = Recipe.default()
+    for stage in STAGES:
+        print(stage)
+        for a in registry.algorithms(stage):
+            mark = "*" if a.name in default.chosen(stage, a.role) else " "
+            print(f"  {mark} {a.name:14} {a.role:16} {a.label}")
+    print("* chosen when nobody chooses otherwise")
+    return 0
+
+
+def describe(options: argparse.Namespace) -> int:
+    """``graphos describe``: parameter sheet of an algorithm."""
+    found = find_algorithm(options.algorithm)
+    print(f"{found.stage}.{found.name}: {found.label} ({found.role}, version {found.version})")
+    print(textwrap.fill(found.summary, 100))
+    print(textwrap.fill(f"Source: {found.source}", 100))
+    for name, d in found.params.declarations().items():
+        default = "none" if d.default is None else d.default
+        print(
+            f"\n{name} = {default}   [{d.range_text}{', or none' if d.optional else ''}]   ({d.about.level})"
+        )
+        print(textwrap.fill(f"{d.about.label}: {d.about.help} {d.about.effect}", 100, initial_indent="    ",
+                            subsequent_indent="    "))  # fmt: skip
+    return 0
+
+
+def find_algorithm(name: str) -> Algorithm:
+    """Return an algorithm by ``room.name`` or by name alone.
+
+    Raises
+    ------
+    UserError
+        When there is none, or several of that name.
+    """
+    stage, dot, short = name.rpartition(".")
+    if dot:
+        return registry.find(stage, short)
+    found = [a for a in registry.algorithms() if a.name == name]
+    if len(found) == 1:
+        return found[0]
+    names = [f"{a.stage}.{a.name}" for a in (found or registry.algorithms())]
+    raise UserError(unknown_name(name, names, "algorithm"))
