@@ -1,0 +1,204 @@
+"""Photos of a scene: rays through the camera model's own distortion, exact per ray."""
+
+from __future__ import annotations
+
+import io
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+
+from graphos_core.cameras import ray_from_pixel
+from graphos_core.data.cameras import Camera
+from graphos_core.data.record import Array
+from graphos_core.errors import UserError
+from graphos_core.params import About, Params
+from graphos_core.run import Run
+from graphos_core.simulation.light_kernels import shade_rays
+from graphos_core.simulation.scene import Scene
+
+ROW_BLOCK = 96
+
+
+class SensorParams(Params):
+    """What the simulated camera does to the light.
+
+    The standard deviation of the noise at grey level g (0 to 255, before JPEG) is
+    ``sqrt(read_noise² + shot_noise² · g / 255)``, independent per pixel and channel.
+    """
+
+    read_noise: Annotated[
+        float,
+        About(label="Read noise", symbol=r"\sigma_r", unit="grey level", low=0, high=50, step=0.1,
+              help="Standard deviation of the sensor noise in the dark.", effect="Higher: grainier shadows."),
+    ] = 1.0  # fmt: skip
+    shot_noise: Annotated[
+        float,
+        About(label="Shot noise", symbol=r"\sigma_s", unit="grey level", low=0, high=50, step=0.1,
+              help="Standard deviation of the photon noise at full white; it falls with the root of the light.",
+              effect="Higher: grainier lights."),
+    ] = 2.0  # fmt: skip
+    vignetting: Annotated[
+        float,
+        About(label="Vignetting", unit="", low=0, high=1, step=0.05,
+              help="Share of the natural fall-off of light, the fourth power of the cosine of the field angle.",
+              effect="Higher: darker corners."),
+    ] = 0.7  # fmt: skip
+    supersampling: Annotated[
+        int,
+        About(label="Rays per pixel side", low=1, high=4, step=1, level="expert",
+              help="Each pixel is the mean of this many rays squared.", effect="Higher: smoother edges, slower."),
+    ] = 2  # fmt: skip
+    jpeg_quality: Annotated[
+        int,
+        About(label="JPEG quality", low=50, high=100, step=1,
+              help="Quality of the compression, as Pillow counts it.", effect="Higher: larger files."),
+    ] = 95  # fmt: skip
+
+    def sigma(self, grey: Array) -> Array:
+        """Return the standard deviation of the noise, grey levels, at grey levels `grey`."""
+        result: Array = np.sqrt(self.read_noise**2 + self.shot_noise**2 * np.asarray(grey) / 255.0)
+        return result
+
+
+@dataclass(frozen=True)
+class RayGrid:
+    """The rays of one camera, computed once and used for all its photos.
+
+    Attributes
+    ----------
+    camera : Camera
+    side : int
+        Rays per pixel side.
+    centre : float64 (h, w, 3)
+        Direction of each pixel's centre, camera frame, z = 1.
+    fine : float64 (h·side, w·side, 3)
+        Directions of the subpixel samples.
+    """
+
+    camera: Camera
+    side: int
+    centre: Array
+    fine: Array
+
+
+def ray_grid(camera: Camera, side: int = 2) -> RayGrid:
+    """Return the rays of a camera by inverting its own model for every sample, to 1e-10 px.
+
+    Raises
+    ------
+    UserError
+        When the distortion does not map the whole format one to one.
+    """
+    x, y = np.arange(camera.width, dtype=float), np.arange(camera.height, dtype=float)
+    fine_x = (np.arange(camera.width * side) + 0.5) / side - 0.5
+    fine_y = (np.arange(camera.height * side) + 0.5) / side - 0.5
+    grid = RayGrid(camera, side, _directions(camera, x, y), _directions(camera, fine_x, fine_y))
+    if not (np.isfinite(grid.centre).all() and np.isfinite(grid.fine).all()):
+        raise UserError(
+            "This camera cannot be simulated.",
+            "Its distortion folds over inside the format: some pixels have no ray of their own.",
+            "Take smaller distortion coefficients or a longer principal distance.",
+        )
+    return grid
+
+
+def _directions(camera: Camera, x: Array, y: Array) -> Array:
+    pixels = np.stack(np.meshgrid(x, y), axis=-1)
+    return ray_from_pixel(camera, pixels.reshape(-1, 2)).reshape(*pixels.shape[:2], 3)
+
+
+def render_light(scene: Scene, grid: RayGrid, rotation: Array, centre: Array, run: Run | None = None) -> Array:
+    """Return the light at the lens, linear float32 (h, w, 3), without vignetting and noise.
+
+    Parameters
+    ----------
+    scene : Scene
+    grid : RayGrid
+    rotation, centre : float64 (3, 3), (3,)
+        ``cam_from_world`` and projection centre, m.
+    run : Run, optional
+        Asked between blocks of rows whether to stop.
+
+    Raises
+    ------
+    Stopped
+    """
+    camera, side = grid.camera, grid.side
+    out = np.empty((camera.height, camera.width, 3), np.float32)
+    spacing = 1.0 / (camera.focal_px * side)
+    for first in range(0, camera.height, ROW_BLOCK):
+        if run is not None:
+            run.check()
+        last = min(first + ROW_BLOCK, camera.height)
+        directions = (grid.fine[first * side : last * side].reshape(-1, 3) @ rotation).astype(np.float32)
+        hit = _cast(scene, centre, directions)
+        shade_rays(
+            directions, spacing, hit["t_hit"], hit["primitive_ids"], hit["primitive_uvs"],
+            hit["primitive_normals"], scene.corner_st, scene.patch_of_triangle, scene.texels, scene.table,
+            scene.texel_of_patch, side, camera.width, out[first:last],
+        )  # fmt: skip
+    return out
+
+
+def render_depth(scene: Scene, grid: RayGrid, rotation: Array, centre: Array) -> Array:
+    """Return the depth of every pixel's centre: z in the camera frame, m, float32 (h, w); NaN for the sky."""
+    camera = grid.camera
+    depth = np.empty((camera.height, camera.width), np.float32)
+    for first in range(0, camera.height, 4 * ROW_BLOCK):
+        last = min(first + 4 * ROW_BLOCK, camera.height)
+        directions = (grid.centre[first:last].reshape(-1, 3) @ rotation).astype(np.float32)
+        depth[first:last] = _cast(scene, centre, directions)["t_hit"].reshape(last - first, camera.width)
+    depth[~np.isfinite(depth)] = np.nan
+    return depth
+
+
+def _cast(scene: Scene, centre: Array, directions: Array) -> dict[str, Array]:
+    import open3d as o3d
+
+    rays = np.empty((len(directions), 6), np.float32)
+    rays[:, :3] = centre
+    rays[:, 3:] = directions
+    return {key: value.numpy() for key, value in scene.caster.cast_rays(o3d.core.Tensor(rays)).items()}
+
+
+def expose(light: Array, grid: RayGrid, sensor: SensorParams, rng: np.random.Generator) -> Array:
+    """Return the photo uint8 (h, w, 3) that the sensor makes of the light.
+
+    Vignetting by cos⁴ of the field angle, sRGB curve, noise as `SensorParams` says, rounding.
+    """
+    square = grid.centre[..., 0] ** 2 + grid.centre[..., 1] ** 2
+    fall_off = 1.0 - sensor.vignetting * (1.0 - 1.0 / (1.0 + square) ** 2)
+    grey = srgb(light * fall_off[..., None].astype(np.float32))
+    noise = rng.standard_normal(grey.shape, dtype=np.float32)
+    grey += noise * np.sqrt(sensor.read_noise**2 + (sensor.shot_noise**2 / 255.0) * np.maximum(grey, 0.0))
+    result: Array = np.clip(np.rint(grey), 0, 255).astype(np.uint8)
+    return result
+
+
+def srgb(light: Array) -> Array:
+    """Return grey levels 0 to 255, float32, of linear light 0 to 1 (IEC 61966-2-1)."""
+    light = np.clip(light, 0.0, 1.0).astype(np.float32)
+    curved = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** np.float32(1 / 2.4) - 0.055)
+    result: Array = (255.0 * curved).astype(np.float32)
+    return result
+
+
+def jpeg_bytes(photo: Array, camera: Camera, quality: int) -> bytes:
+    """Return the photo as JPEG (no chroma subsampling) with EXIF: make, model, focal lengths, orientation 1."""
+    from PIL import Image
+
+    image = Image.fromarray(photo)
+    exif = image.getexif()
+    pitch = camera.pixel_pitch_mm or 0.004
+    focal = camera.focal_px * pitch
+    diagonal = math.hypot(camera.width, camera.height) * pitch
+    exif[0x010F], exif[0x0110], exif[0x0112] = "GRAPHOS", camera.label or "Simulated camera", 1
+    sub: dict[int, Any] = exif.get_ifd(0x8769)
+    sub[0x920A] = round(focal, 2)
+    sub[0xA405] = round(focal * math.hypot(36.0, 24.0) / diagonal)
+    sub[0xA002], sub[0xA003] = camera.width, camera.height
+    buffer = io.BytesIO()
+    image.save(buffer, "JPEG", quality=quality, subsampling=0, exif=exif)
+    return buffer.getvalue()

@@ -1,0 +1,173 @@
+"""Scenes: patches with baked textures and light, as one triangle mesh that rays can be cast at."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from graphos_core.data.cloud import Mesh
+from graphos_core.data.record import Array
+from graphos_core.errors import UserError
+from graphos_core.params import unknown_name
+from graphos_core.simulation.patches import Patch
+from graphos_core.simulation.textures import bake_albedo, bake_light, pyramid
+
+LEVELS = 8
+TOWARDS_SUN = np.array([-0.52, -0.66, 0.62]) / np.linalg.norm([-0.52, -0.66, 0.62])
+
+
+@dataclass(frozen=True)
+class Target:
+    """A coded target: its name, centre (3,), outward normal (3,), diameter, metres, and whether it is a check point."""
+
+    name: str
+    xyz: Array
+    normal: Array
+    diameter: float
+    check: bool
+
+
+@dataclass(frozen=True)
+class Design:
+    """A scene before baking: its patches, and the middle of what is worth photographing."""
+
+    patches: list[Patch]
+    focus: Array
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A scene ready to be photographed, in metres.
+
+    Attributes
+    ----------
+    name : str
+    focus : float64 (3,)
+        Middle of what is worth photographing; templates are placed about it.
+    vertices : float64 (v, 3)
+    triangles : int32 (f, 3)
+        Counter-clockwise from outside.
+    patch_of_triangle : int32 (f,)
+    corner_st : float32 (f, 3, 2)
+        Shares (0 to 1) of the patch's tile at the corners of each triangle.
+    texels : uint8 (k,)
+        Tiles with their coarser levels one after the other; light in square-root encoding.
+    table : int64 (p, levels, 3)
+        Offset, height and width of each level of each tile.
+    texel_of_patch : float64 (p,)
+        Size of a texel, m.
+    targets : tuple of Target
+    """
+
+    name: str
+    focus: Array
+    vertices: Array
+    triangles: Array
+    patch_of_triangle: Array
+    corner_st: Array
+    texels: Array
+    table: Array
+    texel_of_patch: Array
+    targets: tuple[Target, ...]
+
+    @property
+    def mesh(self) -> Mesh:
+        """The surface as a record."""
+        return Mesh(vertices=self.vertices, triangles=self.triangles, unit="m")
+
+    @cached_property
+    def caster(self) -> Any:
+        """Open3D's `RaycastingScene` of the mesh."""
+        return ray_caster(self.vertices, self.triangles)
+
+
+def ray_caster(vertices: Array, triangles: Array) -> Any:
+    """Return Open3D's `RaycastingScene` of a triangle mesh."""
+    import open3d as o3d
+
+    caster = o3d.t.geometry.RaycastingScene()
+    caster.add_triangles(
+        o3d.core.Tensor(np.ascontiguousarray(vertices, dtype=np.float32)),
+        o3d.core.Tensor(np.ascontiguousarray(triangles, dtype=np.uint32)),
+    )
+    return caster
+
+
+def scene_designs() -> dict[str, Callable[[int], Design]]:
+    """Return every scene by name: a function of the seed."""
+    from graphos_core.simulation import facade, landscapes
+
+    return {"facade": facade.design, "terrain": landscapes.terrain, "statue": landscapes.statue}
+
+
+def build_scene(name: str, *, seed: int = 0, texel_m: float = 0.004) -> Scene:
+    """Build a scene and bake its textures.
+
+    Parameters
+    ----------
+    name : str
+        ``"facade"``, ``"terrain"`` or ``"statue"``.
+    seed : int
+        Of the textures and the relief.
+    texel_m : float
+        Size of a texel, m; about two thirds of the ground sampling distance keeps the photos sharp without
+        aliasing.
+
+    Raises
+    ------
+    UserError
+        When there is no scene of that name.
+    """
+    designs = scene_designs()
+    if name not in designs:
+        raise UserError(unknown_name(name, list(designs), "scene"))
+    design = designs[name](seed)
+    patches = design.patches
+    vertices, triangles, owner, shares = _assemble(patches)
+    caster = ray_caster(vertices, triangles)
+    tiles, table, offset = [], np.zeros((len(patches), LEVELS, 3), np.int64), 0
+    texel_of_patch = np.array([texel_m * patch.coarse for patch in patches])
+    for index, patch in enumerate(patches):
+        albedo, relief = bake_albedo(patch, texel_of_patch[index], seed)
+        light = bake_light(patch, albedo, relief, texel_of_patch[index], caster, TOWARDS_SUN)
+        for level, tile in enumerate(pyramid(light, LEVELS)):
+            table[index, level] = offset, *tile.shape[:2]
+            tiles.append(tile.reshape(-1))
+            offset += tile.size
+    return Scene(
+        name, design.focus, vertices, triangles, owner, shares, np.concatenate(tiles), table, texel_of_patch,
+        tuple(_targets(patches)),
+    )  # fmt: skip
+
+
+def _assemble(patches: list[Patch]) -> tuple[Array, Array, Array, Array]:
+    vertices, triangles, owner, shares = [], [], [], []
+    first = 0
+    for index, patch in enumerate(patches):
+        vertices.append(patch.at(patch.st))
+        triangles.append(patch.triangles + first)
+        owner.append(np.full(len(patch.triangles), index, np.int32))
+        shares.append((patch.st / patch.size)[patch.triangles])
+        first += len(patch.st)
+    return (
+        np.concatenate(vertices),
+        np.concatenate(triangles).astype(np.int32),
+        np.concatenate(owner),
+        np.concatenate(shares).astype(np.float32),
+    )
+
+
+def _targets(patches: list[Patch]) -> list[Target]:
+    found = []
+    for patch in patches:
+        for number, s, t, diameter in patch.targets:
+            xyz = patch.at(np.array([[s, t]]))[0]
+            steps = patch.at(np.array([[s + 1e-3, t], [s, t + 1e-3]])) - xyz
+            normal = np.cross(steps[0], steps[1])
+            normal /= np.linalg.norm(normal)
+            found.append(Target(f"T{number:02d}", xyz, normal, diameter, number % 3 == 0))
+    return sorted(found, key=lambda target: target.name)
