@@ -18,7 +18,7 @@ def colour_table(name: str = "viridis") -> Array:
     """Return a colour map as uint8 (256, 3) RGB.
 
     ``viridis`` and ``cividis`` (van der Walt and Smith 2015; Nuñez, Anderton, Renslow 2018) come from OpenCV;
-    ``diverging`` runs from blue over white to red with equal steps of lightness on both sides, in CIELAB, as
+    ``bright viridis`` is its upper part, for marks on dark photos; ``diverging`` runs from blue over white to red with equal steps of lightness on both sides, in CIELAB, as
     Moreland (2009, Diverging color maps for scientific visualization) asks.
 
     Raises
@@ -29,8 +29,11 @@ def colour_table(name: str = "viridis") -> Array:
     if name == "diverging":
         return _diverging()
     maps = {"viridis": cv2.COLORMAP_VIRIDIS, "cividis": cv2.COLORMAP_CIVIDIS}
+    if name == "bright viridis":
+        upper = colour_table("viridis")[np.linspace(72, 255, 256).round().astype(int)]
+        return _frozen(upper)
     if name not in maps:
-        raise ValueError(f"colour map {name!r}: there are viridis, cividis and diverging")
+        raise ValueError(f"colour map {name!r}: there are viridis, bright viridis, cividis and diverging")
     table = cv2.applyColorMap(np.arange(256, dtype=np.uint8)[:, None], maps[name])[:, 0, ::-1]
     return _frozen(table)
 

@@ -97,7 +97,6 @@ class Frame:
         (kind, index, depth) or None
             ``"point"`` and the index in the original cloud, or ``"quad"`` and the index of the quad.
         """
-        height, width = self.keys.shape
         column, row = round(x), round(y)
         left, top = max(column - radius, 0), max(row - radius, 0)
         window = self.keys[top : row + radius + 1, left : column + radius + 1]

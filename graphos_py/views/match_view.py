@@ -1,0 +1,396 @@
+"""Two photos side by side, their verified matches, and the epipolar line of what is under the cursor."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from PySide6.QtCore import QLineF, QPointF, QRectF, Qt, Signal
+from PySide6.QtGui import QColor, QContextMenuEvent, QImage, QKeyEvent, QPainter, QPaintEvent, QPalette, QPen
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
+
+from graphos_core.data.matches import PairMatches
+from graphos_core.data.record import Array
+from graphos_core.number_format import THIN_SPACE, format_value
+from graphos_core.rendering.colour_maps import colours_of_values
+from graphos_py.views.colour_legend import paint_legend
+from graphos_py.views.export import Writer, export_menu, write_csv, write_png, write_svg
+from graphos_py.views.painting import plate
+from graphos_py.views.pixel_canvas import PixelCanvas
+
+EpipolarCurve = Callable[[int, float, float], Array]
+"""(0 or 1: the photo of the point, x, y in px) to points (n, 2) of the epipolar curve in the other photo, px."""
+
+GAP = 6
+LINES_AT_MOST = 250
+
+
+class MatchView(QWidget):
+    """Verified matches of one pair.
+
+    Signals
+    -------
+    match_selected(index)
+        Row of the match that was clicked; −1 for none.
+    cursor_moved(photo, x, y)
+        0 for the left and 1 for the right photo, and the position in it, px.
+    """
+
+    match_selected = Signal(int)
+    cursor_moved = Signal(int, float, float)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setObjectName("matches")
+        self.canvases = (PixelCanvas(self), PixelCanvas(self))
+        self.xy = (np.zeros((0, 2)), np.zeros((0, 2)))
+        self.selected = -1
+        self.hovered = -1
+        self.residuals: Array | None = None
+        self._colours: list[QColor] = []
+        self._pair: PairMatches | None = None
+        self._curve: EpipolarCurve | None = None
+        self._names = ("", "")
+        self._cursor: tuple[int, float, float] | None = None
+        self._linking = False
+        self.lines_drawn = 0
+        self._cache: QImage | None = None
+        self._cache_key: object = None
+        self._picture = QWidget(self)
+        row = QHBoxLayout(self._picture)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.setSpacing(GAP)
+        for side, canvas in enumerate(self.canvases):
+            row.addWidget(canvas, 1)
+            canvas.clicked.connect(lambda x, y, s=side: self._on_click(s, x, y))
+            canvas.cursor_moved.connect(lambda x, y, s=side: self._on_cursor(s, x, y))
+            canvas.view_changed.connect(lambda s=side: self._link(s))
+        self.canvases[0].empty = (
+            self.tr("Here you will see the same points in two photos"),
+            self.tr("Run feature matching, then choose a pair."),
+        )
+        self._over = _Overlay(self)
+        self._text = QLabel()
+        self._text.setContentsMargins(8, 2, 8, 2)
+        box = QVBoxLayout(self)
+        box.setContentsMargins(0, 0, 0, 0)
+        box.setSpacing(0)
+        box.addWidget(self._picture, 1)
+        box.addWidget(self._text)
+        self.setFocusProxy(self.canvases[0])
+
+    # what is shown
+
+    def set_pair(
+        self,
+        image_a: Array | None,
+        image_b: Array | None,
+        xy_a: Array,
+        xy_b: Array,
+        pair: PairMatches | None = None,
+        names: tuple[str, str] = ("", ""),
+        epipolar_curve: EpipolarCurve | None = None,
+    ) -> None:
+        """Show a pair and its verified matches.
+
+        Parameters
+        ----------
+        image_a, image_b : uint8 (h, w) or (h, w, 3), or None
+        xy_a, xy_b : float (n, 2)
+            Positions of the matches in both photos, row by row, px: ``features.xy[pair.matches[:, 0]]`` and so on.
+        pair : PairMatches or None
+            For the numbers and, with a fundamental matrix, the epipolar line.
+        names : (str, str)
+            Names of the photos.
+        epipolar_curve : callable or None
+            Needed for an essential matrix, where the line depends on the cameras.
+        """
+        self.xy = (np.asarray(xy_a, np.float64).reshape(-1, 2), np.asarray(xy_b, np.float64).reshape(-1, 2))
+        self._pair = pair
+        self._names = names
+        self._curve = epipolar_curve
+        if epipolar_curve is None and pair is not None and pair.kind == "fundamental":
+            self._curve = fundamental_curve(np.asarray(pair.matrix), self._size)
+        self.selected = self.hovered = -1
+        self._cursor = None
+        for canvas, image in zip(self.canvases, (image_a, image_b)):
+            canvas.set_array(image)
+        self._colour_matches()
+        self._write()
+        self._over.update()
+
+    def select_match(self, index: int, focus: bool = False) -> None:
+        """Highlight a match in both photos; −1 for none. `focus` brings it to the middle. Emits nothing."""
+        self.selected = index
+        if focus and index >= 0:
+            self._linking = True
+            for canvas, xy in zip(self.canvases, self.xy):
+                canvas.focus_on(*xy[index], max(canvas.zoom, 2.0))
+            self._linking = False
+        self._write()
+        self._over.update()
+
+    def _size(self, side: int) -> tuple[int, int]:
+        return self.canvases[side].image_size
+
+    def _colour_matches(self) -> None:
+        self.residuals = None
+        pair = self._pair
+        if pair is not None and pair.kind == "fundamental" and len(self.xy[0]):
+            self.residuals = epipolar_distances(np.asarray(pair.matrix), *self.xy)
+            values, high = self.residuals, self.legend_range()
+        else:  # without a distance, colour tells neighbours apart: position from left to right
+            values, high = self.xy[0][:, 0], max(self._size(0)[0], 1)
+        table = colours_of_values(values, 0.0, float(high), "bright viridis")
+        self._colours = [QColor(*rgb) for rgb in table.tolist()]
+
+    def legend_range(self) -> float:
+        """Return the distance from the epipolar line that gets the last colour, px."""
+        threshold = self._pair.threshold_px if self._pair is not None else 0.0
+        if threshold > 0:
+            return float(threshold)
+        return float(np.max(self.residuals)) if self.residuals is not None and len(self.residuals) else 1.0
+
+    # people
+
+    def nearest(self, side: int, x: float, y: float, reach: float = 12.0) -> int:
+        """Return the match within `reach` screen px of a position in photo `side`, −1 if there is none."""
+        if not len(self.xy[side]):
+            return -1
+        distance = np.hypot(*(self.xy[side] - [x, y]).T) * self.canvases[side].zoom
+        best = int(np.argmin(distance))
+        return best if distance[best] <= reach else -1
+
+    def _on_click(self, side: int, x: float, y: float) -> None:
+        self.select_match(self.nearest(side, x, y))
+        self.match_selected.emit(self.selected)
+
+    def _on_cursor(self, side: int, x: float, y: float) -> None:
+        width, height = self._size(side)
+        inside = -0.5 <= x < width - 0.5 and -0.5 <= y < height - 0.5
+        self._cursor = (side, x, y) if inside else None
+        self.hovered = self.nearest(side, x, y) if inside else -1
+        self.cursor_moved.emit(side, x, y)
+        self._write()
+        self._over.update()
+
+    def _link(self, side: int) -> None:
+        """Give the other photo the same zoom relative to fitting, about the same relative place."""
+        first, second = self.canvases[side], self.canvases[1 - side]
+        if not self._linking and first.array is not None and second.array is not None:
+            self._linking = True
+            ratio = min(first.image_size) / min(second.image_size)
+            zoom = first.zoom * ratio
+            if abs(zoom / second.zoom - 1.0) > 1e-6:
+                middle = (0.5 * second.width(), 0.5 * second.height())
+                x, y = self._counterpart(side)
+                second.zoom_at(*middle, zoom / second.zoom) if math.isnan(x) else second.focus_on(x, y, zoom)
+            self._linking = False
+        self._over.update()
+
+    def _counterpart(self, side: int) -> tuple[float, float]:
+        """Return where the middle of photo `side` lies in the other one, by the median shift of nearby matches."""
+        first = self.canvases[side]
+        if len(self.xy[side]) < 3:
+            return math.nan, math.nan
+        middle = np.array(first.to_image(0.5 * first.width(), 0.5 * first.height()))
+        near = np.argsort(((self.xy[side] - middle) ** 2).sum(axis=1))[:9]
+        shift = np.median(self.xy[1 - side][near] - self.xy[side][near], axis=0)
+        x, y = (middle + shift).tolist()
+        return x, y
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """N and P go through the matches; Escape selects none."""
+        steps = {Qt.Key.Key_N: 1, Qt.Key.Key_P: -1}
+        count = len(self.xy[0])
+        if event.key() in steps and count:
+            self.select_match((self.selected + steps[Qt.Key(event.key())]) % count, focus=True)
+            self.match_selected.emit(self.selected)
+        elif event.key() == Qt.Key.Key_Escape and self.selected >= 0:
+            self.select_match(-1)
+            self.match_selected.emit(-1)
+        else:
+            super().keyPressEvent(event)
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        """Offer exports."""
+        export_menu(self, self.exports()).exec(event.globalPos())
+
+    def exports(self) -> dict[str, Writer]:
+        """Return writers by file ending."""
+        header = ("x_a [px]", "y_a [px]", "x_b [px]", "y_b [px]", "epipolar distance [px]")
+        extra = np.full(len(self.xy[0]), np.nan) if self.residuals is None else self.residuals
+        return {
+            "png": lambda path: write_png(self, path),
+            "svg": lambda path: write_svg(self, path),
+            "csv": lambda path: write_csv(path, header, np.column_stack([*self.xy, extra]).tolist()),
+        }
+
+    # texts and painting
+
+    def _write(self) -> None:
+        count, pair = len(self.xy[0]), self._pair
+        if pair is None and not count:
+            self._text.setText("")
+            return
+        parts = [self.tr("{n} verified matches").format(n=format_value(count))]
+        if pair is not None:
+            parts[0] += self.tr(" of {n} candidates").format(n=format_value(pair.candidates))
+            if pair.reason:
+                parts.append(pair.reason)
+        shown = self.selected if self.selected >= 0 else self.hovered
+        if 0 <= shown < count:
+            (xa, ya), (xb, yb) = self.xy[0][shown], self.xy[1][shown]
+            parts.append(f"#{shown}   {xa:.2f}, {ya:.2f} ↔ {xb:.2f}, {yb:.2f}{THIN_SPACE}px")
+            if self.residuals is not None:
+                distance = format_value(float(self.residuals[shown]), digits=2, unit="px")
+                parts.append(self.tr("{d} from the epipolar line").format(d=distance))
+        self._text.setText("      ".join(parts))
+
+    def screen_positions(self, side: int) -> Array:
+        """Return the matches of photo `side` (n, 2) in px of the picture area."""
+        corner = self.canvases[side].pos()
+        return self.canvases[side].to_screen(self.xy[side]) + [corner.x(), corner.y()]
+
+    def paint_over(self, painter: QPainter) -> None:
+        """Paint matches, the highlighted one, the epipolar curve, names and legend."""
+        if self.canvases[0].array is None or self.canvases[1].array is None:
+            return
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        self._paint_matches(painter)
+        self._paint_curve(painter)
+        for index in {self.hovered, self.selected}:
+            if 0 <= index < len(self.xy[0]):
+                self._paint_highlight(painter, index)
+        for canvas, name in zip(self.canvases, self._names):
+            if name:
+                metrics = painter.fontMetrics()
+                box = QRectF(canvas.x() + 10, 10, metrics.horizontalAdvance(name) + 16, metrics.height() + 6)
+                plate(painter, box, self.palette())
+                painter.drawText(box, Qt.AlignmentFlag.AlignCenter, name)
+        if self.residuals is not None and len(self.residuals):
+            area = QRectF(0, 0, self._over.width(), self._over.height())
+            title = self.tr("distance from the epipolar line")
+            paint_legend(painter, area, self.palette(), 0.0, self.legend_range(), title, "px", "bright viridis")
+
+    def _paint_matches(self, painter: QPainter) -> None:
+        """Paint all points and, evenly chosen, as many lines as can be told apart; kept until the view changes."""
+        ratio = self.devicePixelRatioF()
+        views = [(c.zoom, c.left, c.top, c.x(), c.width(), c.height()) for c in self.canvases]
+        key = (tuple(views), ratio, len(self.xy[0]), id(self._colours))
+        if key != self._cache_key or self._cache is None:
+            size = self._over.size() * ratio
+            self._cache = QImage(size, QImage.Format.Format_ARGB32_Premultiplied)
+            self._cache.setDevicePixelRatio(ratio)
+            self._cache.fill(Qt.GlobalColor.transparent)
+            inner = QPainter(self._cache)
+            inner.setRenderHint(QPainter.RenderHint.Antialiasing)
+            self._paint_all(inner)
+            inner.end()
+            self._cache_key = key
+        painter.setOpacity(0.5 if self.selected >= 0 or self.hovered >= 0 else 1.0)
+        painter.drawImage(QPointF(0, 0), self._cache)
+        painter.setOpacity(1.0)
+
+    def _paint_all(self, painter: QPainter) -> None:
+        both = [self.screen_positions(side) for side in (0, 1)]
+        inside = [self._in_sight(side, positions) for side, positions in enumerate(both)]
+        linked = np.flatnonzero(inside[0] & inside[1])
+        self.lines_drawn = min(len(linked), LINES_AT_MOST)
+        drawn = linked[np.linspace(0, len(linked) - 1, self.lines_drawn).astype(int)] if len(linked) else linked
+        rows = np.column_stack(both)
+        edge = QColor(0, 0, 0, 110)
+        for index in drawn.tolist():
+            stroke = QLineF(*rows[index].tolist())
+            painter.setPen(QPen(edge, 2.6))
+            painter.drawLine(stroke)
+            painter.setPen(QPen(self._colours[index], 1.3))
+            painter.drawLine(stroke)
+        cap = Qt.PenCapStyle.RoundCap
+        for positions, seen in zip(both, inside):
+            chosen = np.flatnonzero(seen).tolist()
+            painter.setPen(QPen(edge, 5.0, Qt.PenStyle.SolidLine, cap))
+            painter.drawPoints([QPointF(*positions[index].tolist()) for index in chosen])
+            for index in chosen:
+                painter.setPen(QPen(self._colours[index], 3.2, Qt.PenStyle.SolidLine, cap))
+                painter.drawPoint(QPointF(*positions[index].tolist()))
+
+    def _in_sight(self, side: int, positions: Array) -> Array:
+        area = self.canvases[side].geometry()
+        low, high = [area.left(), area.top()], [area.right() + 1, area.bottom() + 1]
+        return np.asarray(((positions >= low) & (positions <= high)).all(axis=1))
+
+    def _paint_highlight(self, painter: QPainter, index: int) -> None:
+        a, b = (QPointF(*self.screen_positions(side)[index].tolist()) for side in (0, 1))
+        accent = self.palette().color(QPalette.ColorRole.Highlight)
+        for colour, width in ((QColor(255, 255, 255), 4.5), (accent, 2.5)):
+            painter.setPen(QPen(colour, width))
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.drawLine(a, b)
+            painter.drawEllipse(a, 7, 7)
+            painter.drawEllipse(b, 7, 7)
+
+    def _paint_curve(self, painter: QPainter) -> None:
+        if self._cursor is None or self._curve is None:
+            return
+        side, x, y = self._cursor
+        other = self.canvases[1 - side]
+        points = np.asarray(self._curve(side, x, y), np.float64).reshape(-1, 2)
+        points = points[np.isfinite(points).all(axis=1)]
+        painter.save()
+        painter.setClipRect(other.geometry())
+        moved = other.to_screen(points) + [other.x(), other.y()]
+        line = [QPointF(*p) for p in np.clip(moved, -1e5, 1e5).tolist()]
+        for colour, width in ((QColor(0, 0, 0, 160), 4.0), (QColor(255, 221, 51), 2.0)):
+            painter.setPen(QPen(colour, width))
+            painter.drawPolyline(line)
+        painter.restore()
+
+
+class _Overlay(QWidget):
+    """Lies over both photos and lets the mouse through."""
+
+    def __init__(self, view: MatchView) -> None:
+        super().__init__(view._picture)
+        self._view = view
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.setAttribute(Qt.WidgetAttribute.WA_NoSystemBackground)
+        view._picture.installEventFilter(self)
+
+    def eventFilter(self, watched: object, event: object) -> bool:
+        """Stay as large as the photos."""
+        self.setGeometry(self._view._picture.rect())
+        self.raise_()
+        return False
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Let the view paint."""
+        painter = QPainter(self)
+        self._view.paint_over(painter)
+
+
+def epipolar_distances(fundamental: Array, xy_a: Array, xy_b: Array) -> Array:
+    """Return the larger distance (n,) in px of each match from the epipolar lines in both photos."""
+    a = np.column_stack([xy_a, np.ones(len(xy_a))])
+    b = np.column_stack([xy_b, np.ones(len(xy_b))])
+    in_b, in_a = a @ fundamental.T, b @ fundamental
+    residual = np.abs((in_b * b).sum(axis=1))
+    shortest = np.minimum(np.hypot(in_b[:, 0], in_b[:, 1]), np.hypot(in_a[:, 0], in_a[:, 1]))
+    return np.asarray(residual / np.maximum(shortest, 1e-300))
+
+
+def fundamental_curve(fundamental: Array, size: Callable[[int], tuple[int, int]]) -> EpipolarCurve:
+    """Return the epipolar line ``x_bᵀ F x_a = 0`` as a curve across the photo it lies in."""
+
+    def curve(side: int, x: float, y: float) -> Array:
+        matrix = fundamental if side == 0 else fundamental.T
+        a, b, c = matrix @ [x, y, 1.0]
+        width, height = size(1 - side)
+        if abs(b) > abs(a):
+            ends = np.array([-0.5, width - 0.5])
+            return np.column_stack([ends, -(c + a * ends) / b])
+        ends = np.array([-0.5, height - 0.5])
+        return np.column_stack([-(c + b * ends) / (a or np.nan), ends])
+
+    return curve
