@@ -1,0 +1,236 @@
+"""From a block to what the compiled loops need, and back: which unknowns are free, and where each stands."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from graphos_core.adjustment.bundle.kernels import Layout, Scene
+from graphos_core.cameras import camera_model
+from graphos_core.cameras.kernels import MAX_VALUES
+from graphos_core.data import Array, Block
+from graphos_core.errors import UserError
+
+
+@dataclass(frozen=True, kw_only=True)
+class Freedom:
+    """Which unknowns of a block are free.
+
+    Attributes
+    ----------
+    interior : tuple of tuple of str
+        For each camera of the block, the names of its free parameters, such as ``("focal_px", "k1")``; cameras
+        without an entry are held fixed.
+    fixed_points : bool (p,) or None
+        Object points held fixed (control); they may have a single ray.
+    fixed_photos : bool (n,) or None
+        Photos whose exterior orientation is held fixed.
+    """
+
+    interior: Sequence[Sequence[str]] = ()
+    fixed_points: Array | None = None
+    fixed_photos: Array | None = None
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A block in the order of the solver.
+
+    Attributes
+    ----------
+    block : Block
+        The block that is adjusted, without observations that cannot take part.
+    layout : Layout
+    scene : Scene
+        Where the adjustment starts.
+    order : int64 (p,)
+        Block point of each solver point: points are sorted by the first photo that sees them, which keeps the
+        entries of the reduced matrix that one chunk touches close together.
+    observation : int64 (m,)
+        Block observation of each solver observation.
+    unknowns : int
+        Size u of the reduced system.
+    chunks : tuple of (int, int, int)
+        First and last point of each chunk and the largest number of rays; depends on the block only.
+    """
+
+    block: Block
+    layout: Layout
+    scene: Scene
+    order: Array
+    observation: Array
+    unknowns: int
+    chunks: tuple[tuple[int, int, int], ...]
+
+    @cached_property
+    def free_points(self) -> int:
+        """Number of object points that are unknown."""
+        return int(self.layout.free_point.sum())
+
+    @property
+    def fixed_points(self) -> Array:
+        """Bool (p,): fixed points in the order of the block."""
+        fixed = np.empty(len(self.order), dtype=bool)
+        fixed[self.order] = ~self.layout.free_point
+        return fixed
+
+    def to_block(self, scene: Scene) -> Block:
+        """Return the block with the adjusted values of `scene`."""
+        points = np.empty_like(scene.points)
+        points[self.order] = scene.points
+        cameras = tuple(
+            replace(camera, values=scene.values[c, : len(camera.values)].copy())
+            for c, camera in enumerate(self.block.cameras)
+        )
+        return replace(
+            self.block, cameras=cameras, rotations=scene.rotations, centres=scene.centres, points=points
+        )
+
+
+def usable(block: Block, fixed_points: Array) -> Array:
+    """Say which observations can take part: oriented photo, first of its point and photo, point with two rays.
+
+    Returns
+    -------
+    bool (m,)
+        In the order of the block's observations.
+    """
+    keep = np.asarray(block.oriented)[block.obs_photo] & np.isfinite(block.obs_xy).all(axis=1)
+    key = block.obs_point.astype(np.int64) * len(block.names) + block.obs_photo
+    if np.any(np.diff(key) <= 0):  # not sorted, or twice: keep the first of each
+        first = np.zeros(len(key), dtype=bool)
+        candidates = np.flatnonzero(keep)
+        first[candidates[np.unique(key[candidates], return_index=True)[1]]] = True
+        keep &= first
+    rays = np.bincount(block.obs_point[keep], minlength=len(block.points))
+    return keep & ((rays >= 2) | fixed_points)[block.obs_point]
+
+
+def select(block: Block, keep: Array) -> tuple[Block, Array]:
+    """Keep some observations, sorted by point and photo, and drop the points that lose all of theirs.
+
+    Returns
+    -------
+    Block
+    int64 (p,)
+        Old index of each remaining point.
+    """
+    if keep.all():
+        key = block.obs_point.astype(np.int64) * len(block.names) + block.obs_photo
+        if np.all(np.diff(key) > 0) and len(np.unique(block.obs_point)) == len(block.points):
+            return block, np.arange(len(block.points))
+    index = np.flatnonzero(keep)
+    index = index[np.lexsort((block.obs_photo[index], block.obs_point[index]))]
+    points, obs_point = np.unique(block.obs_point[index], return_inverse=True)
+    return replace(
+        block,
+        points=block.points[points],
+        colours=block.colours[points],
+        point_track=block.point_track[points],
+        obs_photo=block.obs_photo[index],
+        obs_point=obs_point.astype(np.int32),
+        obs_xy=block.obs_xy[index],
+    ), points
+
+
+def make_problem(block: Block, freedom: Freedom) -> Problem:
+    """Prepare the adjustment of a block.
+
+    Raises
+    ------
+    UserError
+        When no observation can take part, or a camera has no parameter of a name given as free.
+    """
+    fixed = np.zeros(len(block.points), dtype=bool) if freedom.fixed_points is None else freedom.fixed_points
+    fixed = np.asarray(fixed, dtype=bool)
+    block, points = select(block, usable(block, fixed))
+    if len(block.obs_xy) == 0:
+        raise UserError(
+            "The block has no observations to adjust.",
+            "No object point is seen by two oriented photos, and none is held fixed.",
+            "Orient at least two photos that share tie points.",
+            learn="adjustment/overlap",
+        )
+    fixed = fixed[points]
+    order, start, observation = _solver_order(block)
+    photo = block.obs_photo[observation].astype(np.int64)
+    layout, unknowns = _layout(block, freedom, photo)
+    layout = layout._replace(
+        start=start, photo=photo, xy=np.ascontiguousarray(block.obs_xy[observation]), free_point=~fixed[order]
+    )
+    values = np.zeros((len(block.cameras), MAX_VALUES))
+    for c, camera in enumerate(block.cameras):
+        values[c, : len(camera.values)] = camera.values
+    scene = Scene(
+        values,
+        np.array(block.rotations, dtype=np.float64),
+        np.array(block.centres, dtype=np.float64),
+        np.ascontiguousarray(block.points[order], dtype=np.float64),
+    )
+    return Problem(block, layout, scene, order, observation, unknowns, _chunks(start, unknowns))
+
+
+def _solver_order(block: Block) -> tuple[Array, Array, Array]:
+    """Return the block point of each solver point, the start of its observations, and their block indices."""
+    start = np.searchsorted(block.obs_point, np.arange(len(block.points) + 1))
+    order = np.argsort(block.obs_photo[start[:-1]], kind="stable")
+    rays = np.diff(start)[order]
+    sorted_start = np.concatenate(([0], np.cumsum(rays)))
+    observation = np.repeat(start[:-1][order] - sorted_start[:-1], rays) + np.arange(sorted_start[-1])
+    return order, sorted_start.astype(np.int64), observation
+
+
+def _layout(block: Block, freedom: Freedom, photo: Array) -> tuple[Layout, int]:
+    """Assign columns to the reduced unknowns: photo by photo, then the cameras that several photos share."""
+    n, c = len(block.names), len(block.cameras)
+    used = np.bincount(photo, minlength=n) > 0
+    camera = np.asarray(block.camera_of_photo, dtype=np.int64)
+    photos_of_camera = np.bincount(camera[used], minlength=c)
+    free_index, free_count = _free_parameters(block, freedom)
+    free_count[photos_of_camera == 0] = 0
+    fixed_photos = np.zeros(n, dtype=bool) if freedom.fixed_photos is None else freedom.fixed_photos
+    pose = np.where(used & ~np.asarray(fixed_photos, dtype=bool), 6, 0).astype(np.int64)
+    own = used & (photos_of_camera[camera] == 1)
+    width = pose + np.where(own, free_count[camera], 0)
+    photo_column = np.cumsum(width) - width
+    shared = np.where(photos_of_camera > 1, free_count, 0)
+    camera_column = np.where(shared > 0, width.sum() + np.cumsum(shared) - shared, -1)
+    codes = np.array([camera_model(camera.model).code for camera in block.cameras], dtype=np.int64)
+    nothing = np.empty(0, dtype=np.int64)
+    layout = Layout(
+        codes, camera, nothing, nothing, np.empty((0, 2)), np.empty(0, dtype=bool),
+        photo_column, pose, width, camera_column.astype(np.int64), free_index, free_count,
+    )  # fmt: skip
+    return layout, int(width.sum() + shared.sum())
+
+
+def _free_parameters(block: Block, freedom: Freedom) -> tuple[Array, Array]:
+    free_index = np.zeros((len(block.cameras), MAX_VALUES), dtype=np.int64)
+    free_count = np.zeros(len(block.cameras), dtype=np.int64)
+    for c, names in enumerate(freedom.interior):
+        model = camera_model(block.cameras[c].model)
+        unknown = [name for name in names if name not in model.names]
+        if unknown:
+            raise UserError(
+                f"The camera model “{model.label}” has no parameter {', '.join(unknown)}.",
+                todo=f"Free some of: {', '.join(model.names)}.",
+            )
+        index = sorted(model.index(name) for name in set(names))
+        free_index[c, : len(index)] = index
+        free_count[c] = len(index)
+    return free_index, free_count
+
+
+def _chunks(start: Array, unknowns: int) -> tuple[tuple[int, int, int], ...]:
+    """Cut the points into chunks of equal work; how many depends on the size of the block, not on threads."""
+    rays = np.diff(start)
+    work = np.cumsum(rays.astype(np.float64) * (rays + 8))
+    most = 8 if unknowns <= 150 else 4 if unknowns <= 1500 else 2
+    count = int(np.clip(work[-1] / 20000.0, 1, most))
+    cuts = np.searchsorted(work, work[-1] * np.arange(1, count) / count)
+    edges = [0, *(int(cut) for cut in cuts), len(rays)]
+    return tuple((a, b, int(rays[a:b].max())) for a, b in pairwise(edges) if b > a)

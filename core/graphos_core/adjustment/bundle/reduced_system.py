@@ -1,0 +1,180 @@
+"""The reduced normal equations: built by chunks in threads, solved by Cholesky, points by back-substitution."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+from scipy.linalg import lapack
+from threadpoolctl import ThreadpoolController
+
+from graphos_core.adjustment.bundle import kernels
+from graphos_core.adjustment.bundle.kernels import Rules, Scene
+from graphos_core.adjustment.bundle.problem import Problem
+from graphos_core.data import Array
+
+SMALLEST_DIAGONAL = 1e-9
+"""Floor of the damped diagonal, so that an unknown nobody observes keeps its value."""
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Normal equations at one scene, points eliminated.
+
+    Attributes
+    ----------
+    matrix : float64 (u, u)
+        Reduced matrix, upper triangle.
+    gradient, reduced_gradient, diagonal : float64 (u,)
+        ``Jᵀv`` of the reduced unknowns before and after the elimination, diagonal of JᵀJ before it.
+    cost : float
+        ½ Σ ρ, px².
+    largest_gradient : float
+        Largest element of the gradient, points included, absolute.
+    visible : int
+        Observations in front of their cameras.
+    """
+
+    matrix: Array
+    gradient: Array
+    reduced_gradient: Array
+    diagonal: Array
+    cost: float
+    largest_gradient: float
+    visible: int
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A scene after a step.
+
+    Attributes
+    ----------
+    scene : Scene
+    cost : float
+        ½ Σ ρ over the observations that were in front of their cameras before the step.
+    predicted : float
+        Decrease of the cost predicted by the linear model.
+    lost : int
+        Observations that the step carried behind a camera.
+    step, size : float
+        Norms of the step and of the unknowns.
+    """
+
+    scene: Scene
+    cost: float
+    predicted: float
+    lost: int
+    step: float
+    size: float
+
+
+class ReducedSystem:
+    """Builds and solves the reduced normal equations of one problem.
+
+    Results do not depend on `threads`: chunks are fixed by the problem and summed in order.
+    """
+
+    def __init__(self, problem: Problem, rules: Rules, threads: int) -> None:
+        self.problem = problem
+        self.rules = rules
+        self._threads = min(threads, len(problem.chunks))
+        self._pool: ThreadPoolExecutor | None = None
+        u = problem.unknowns
+        self._matrices = [np.empty((u, u)) for _ in problem.chunks]
+
+    @contextmanager
+    def working(self) -> Iterator[ReducedSystem]:
+        """Hold the threads, and BLAS to one thread, as long as the context lasts."""
+        with _blas().limit(limits=1, user_api="blas"):
+            if self._threads == 1:
+                yield self
+                return
+            with ThreadPoolExecutor(self._threads) as pool:
+                self._pool = pool
+                try:
+                    yield self
+                finally:
+                    self._pool = None
+
+    def each_chunk(self, function: Callable[[int], Any]) -> list[Any]:
+        """Call ``function(chunk)`` for every chunk and return the results in order."""
+        count = range(len(self.problem.chunks))
+        return [function(c) for c in count] if self._pool is None else list(self._pool.map(function, count))
+
+    def build(self, scene: Scene, damping: float) -> Equations:
+        """Return the reduced normal equations at `scene` with points damped by `damping`."""
+        layout, u = self.problem.layout, self.problem.unknowns
+
+        def one(chunk: int) -> tuple[Array, Array]:
+            matrix = self._matrices[chunk]
+            matrix.fill(0.0)
+            vectors, totals = np.zeros((3, u)), np.zeros(7)
+            span = self.problem.chunks[chunk]
+            kernels.build(scene, layout, self.rules, damping, span, matrix, vectors, totals)
+            return vectors, totals
+
+        parts = self.each_chunk(one)
+        matrix = self._matrices[0]
+        for other in self._matrices[1:]:
+            matrix += other
+        vectors = sum(part[0] for part in parts)
+        totals = [part[1] for part in parts]
+        gradient = vectors[0]
+        largest = max(
+            [float(np.abs(gradient).max(initial=0.0)), *(float(t[kernels.GRADIENT]) for t in totals)]
+        )
+        return Equations(
+            matrix, gradient, vectors[0] + vectors[1], vectors[2],
+            float(sum(t[kernels.COST] for t in totals)), largest,
+            int(sum(t[kernels.VISIBLE] for t in totals)),
+        )  # fmt: skip
+
+    def solve(self, equations: Equations, damping: float) -> Array | None:
+        """Return the step of the reduced unknowns, or None where the damped matrix is not positive definite.
+
+        Overwrites ``equations.matrix``.
+        """
+        u = self.problem.unknowns
+        if u == 0:
+            return np.empty(0)
+        matrix = equations.matrix
+        matrix.flat[:: u + 1] += damping * equations.diagonal + SMALLEST_DIAGONAL * (
+            equations.diagonal == 0.0
+        )
+        factor, info = lapack.dpotrf(matrix.T, lower=1, clean=0, overwrite_a=1)
+        if info != 0:
+            return None
+        step, _ = lapack.dpotrs(factor, -equations.reduced_gradient, lower=1)
+        return step if np.isfinite(step).all() else None
+
+    def move(self, scene: Scene, equations: Equations, damping: float, step: Array) -> Moved:
+        """Return the scene moved by `step`, its points by back-substitution."""
+        layout = self.problem.layout
+        moved = Scene(*(np.empty_like(part) for part in scene))
+        kernels.move_photos(scene, layout, step, moved)
+
+        def one(chunk: int) -> Array:
+            totals = np.zeros(7)
+            span = self.problem.chunks[chunk]
+            kernels.substitute(scene, layout, self.rules, damping, span, step, moved, totals)
+            return totals
+
+        totals = sum(self.each_chunk(one))
+        predicted = 0.5 * float(step @ (damping * equations.diagonal * step - equations.gradient))
+        size = float(totals[kernels.SIZE2]) + float((scene.centres**2).sum()) + float((scene.values**2).sum())
+        return Moved(
+            moved, float(totals[kernels.COST]), predicted + float(totals[kernels.PREDICTED]),
+            int(totals[kernels.LOST]), float(np.sqrt(totals[kernels.STEP2] + step @ step)), float(np.sqrt(size)),
+        )  # fmt: skip
+
+
+@cache
+def _blas() -> ThreadpoolController:
+    """Return the controller of the BLAS libraries; made once, because looking for them takes milliseconds."""
+    return ThreadpoolController()
