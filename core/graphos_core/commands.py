@@ -111,7 +111,7 @@ def _project(options: argparse.Namespace, seed: int, progress: Run) -> Project:
     return Project.create(options.out, options.source, run=progress, **settings, **_control(options))
 
 
-def _control(options: argparse.Namespace) -> dict[str, Path]:
+def _control(options: argparse.Namespace) -> dict[str, Any]:
     return {"control": options.control} if options.control is not None else {}
 
 

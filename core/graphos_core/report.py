@@ -207,7 +207,7 @@ def _quality(found: Any) -> dict[str, Any]:
 
 
 def _timings(pipeline: Pipeline) -> dict[str, float]:
-    timings = {}
+    timings: dict[str, float] = {}
     for stage in STAGES:
         steps = [step for step in steps_of(stage) if pipeline.has(step.name)]
         if steps:

@@ -133,6 +133,10 @@ def _matches(pipeline: Pipeline, folder: Path, run: Run) -> Any:
     return FeaturesResult(features=(), pairs=tuple(pairs), tracks=tracks)
 
 
+def _cameras(pipeline: Pipeline) -> Any:
+    return pipeline.project.photos_key()["cameras"]
+
+
 def _orientation(pipeline: Pipeline, folder: Path, run: Run) -> Block:
     algorithm, params = pipeline.recipe.algorithm("adjustment", "orientation")
     matched = pipeline.value("matches")
@@ -222,7 +226,7 @@ STEPS: dict[str, Step] = {
         Step("keypoints", "features", "images", ("detector",), _keypoints,
              lambda v: Text("{n} keypoints", n=sum(len(f.xy) for f in v))),
         Step("matches", "features", "keypoints", ("matcher", "verification", "tracks"), _matches, _features_line,
-             lambda pipeline: pipeline.project.photos_key()["cameras"]),
+             _cameras),
         Step("orientation", "adjustment", "matches", ("orientation",), _orientation,
              lambda v: Text("{n} of {total} photos oriented", n=int(v.oriented.sum()), total=len(v.names))),
         Step("adjustment", "adjustment", "orientation", ("bundle",), _adjustment,
