@@ -1,0 +1,1 @@
+"""Georeferencing: from model units to metres."""

@@ -1,0 +1,1 @@
+"""Initial orientation: from tracks to an oriented block."""

@@ -1,0 +1,161 @@
+"""The block while it grows: the one mutable thing of the orientation, never seen outside it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from graphos_core.cameras import ray_from_pixel
+from graphos_core.data import Array, Block, Camera, PhotoSet, Tracks
+from graphos_core.errors import ItemFailure
+from graphos_core.geometry.triangulation import intersection_angles, ray_distances_px, triangulate
+
+
+class GrowingBlock:
+    """Orientations, points and accepted observations so far.
+
+    Parameters
+    ----------
+    photos : PhotoSet
+    tracks : Tracks
+    reprojection_px : float
+        Largest distance of an accepted observation from its point in the ideal image, px.
+    min_angle : float
+        Smallest largest intersection angle of an accepted point, radians.
+
+    Attributes
+    ----------
+    cameras : tuple of Camera
+    oriented : bool (n,)
+    rotations, centres : float64 (n, 3, 3), (n, 3)
+        ``cam_from_world`` and projection centres, model units.
+    points : float64 (t, 3)
+        A point per track; valid where `known`.
+    known : bool (t,)
+    used : bool (m,)
+        Accepted observations, in the order of the tracks' observations.
+    rays : float64 (m, 2)
+        Ideal image coordinates of all observations under the present calibration.
+    """
+
+    def __init__(self, photos: PhotoSet, tracks: Tracks, reprojection_px: float, min_angle: float) -> None:
+        count = len(photos.photos)
+        self.names = tuple(photo.name for photo in photos.photos)
+        self.tracks = tracks
+        self.reprojection_px = reprojection_px
+        self.min_angle = min_angle
+        self.camera_of_photo = np.array([photo.camera for photo in photos.photos], dtype=np.int32)
+        self.oriented = np.zeros(count, dtype=bool)
+        self.rotations = np.tile(np.eye(3), (count, 1, 1))
+        self.centres = np.zeros((count, 3))
+        self.points = np.zeros((tracks.count, 3))
+        self.known = np.zeros(tracks.count, dtype=bool)
+        self.used = np.zeros(len(tracks.track), dtype=bool)
+        order = np.argsort(tracks.photo, kind="stable")
+        bounds = np.searchsorted(tracks.photo[order], np.arange(count + 1))
+        self._of_photo = [order[bounds[i] : bounds[i + 1]] for i in range(count)]
+        self.rays = np.zeros((len(tracks.track), 2))
+        self.cameras: tuple[Camera, ...] = ()
+        self.set_cameras(photos.cameras)
+
+    def set_cameras(self, cameras: tuple[Camera, ...]) -> None:
+        """Take a calibration and compute the rays of all observations with it."""
+        changed = [
+            i
+            for i, c in enumerate(cameras)
+            if not self.cameras or not np.array_equal(c.values, self.cameras[i].values)
+        ]
+        self.cameras = tuple(cameras)
+        self.focal = np.array([cameras[c].focal_px for c in self.camera_of_photo])
+        camera = self.camera_of_photo[self.tracks.photo]
+        for index in changed:
+            mine = camera == index
+            self.rays[mine] = ray_from_pixel(cameras[index], self.tracks.xy[mine])[:, :2]
+        self.valid = np.isfinite(self.rays).all(axis=1)
+
+    def observations_of(self, photo: int) -> Array:
+        """Return the indices of the valid observations of a photo, sorted by track."""
+        of_photo = self._of_photo[photo]
+        return of_photo[self.valid[of_photo]]
+
+    def seen_by(self, photo: int) -> Array:
+        """Return the indices of the observations of a photo whose points are known."""
+        observations = self.observations_of(photo)
+        return observations[self.known[self.tracks.track[observations]]]
+
+    def common(self, a: int, b: int) -> tuple[Array, Array]:
+        """Return the indices of the observations of the tracks common to two photos, in the same order."""
+        in_a, in_b = self.observations_of(a), self.observations_of(b)
+        _, at_a, at_b = np.intersect1d(
+            self.tracks.track[in_a], self.tracks.track[in_b], assume_unique=True, return_indices=True
+        )
+        return in_a[at_a], in_b[at_b]
+
+    def place(self, photo: int, rotation: Array, centre: Array) -> None:
+        """Add an oriented photo, with its observations of known points that fit."""
+        self.oriented[photo] = True
+        self.rotations[photo], self.centres[photo] = rotation, centre
+        seen = self.seen_by(photo)
+        self.used[seen] = self.distances_px(seen) <= self.reprojection_px
+
+    def distances_px(self, observations: Array) -> Array:
+        """Return the distance of each observation from its known point in the ideal image, px."""
+        return ray_distances_px(
+            self.tracks.track[observations], self.tracks.photo[observations], self.rays[observations],
+            self.focal, self.rotations, self.centres, self.points,
+        )  # fmt: skip
+
+    def intersect(self) -> int:
+        """Compute the points of all tracks not known yet from their oriented photos; return how many are new."""
+        tracks = self.tracks
+        free = np.flatnonzero(self.oriented[tracks.photo] & self.valid & ~self.known[tracks.track])
+        ids, start = np.unique(tracks.track[free], return_index=True)
+        start = np.append(start, len(free))
+        found = triangulate(
+            start, tracks.photo[free], self.rays[free], self.focal, self.rotations, self.centres,
+            threshold_px=self.reprojection_px, min_angle=self.min_angle,
+        )  # fmt: skip
+        new = ids[found.ok]
+        self.points[new] = found.points[found.ok]
+        self.known[new] = True
+        self.used[free] = found.used
+        return len(new)
+
+    def reject(self) -> int:
+        """Accept or refuse every observation anew, drop points left with too little; return the observations lost."""
+        tracks = self.tracks
+        before = int(self.used.sum())
+        live = np.flatnonzero(self.oriented[tracks.photo] & self.valid & self.known[tracks.track])
+        self.used[:] = False
+        self.used[live] = self.distances_px(live) <= self.reprojection_px
+        start = np.searchsorted(tracks.track, np.arange(tracks.count + 1))
+        angles = intersection_angles(start, tracks.photo, self.used, self.centres, self.points)
+        self.known &= angles >= self.min_angle
+        self.used &= self.known[tracks.track]
+        return before - int(self.used.sum())
+
+    def block(self, failures: tuple[ItemFailure, ...] = ()) -> Block:
+        """Return the block so far as a record."""
+        tracks = self.tracks
+        observations = np.flatnonzero(self.used)
+        ids, point = np.unique(tracks.track[observations], return_inverse=True)
+        return Block(
+            cameras=self.cameras,
+            names=self.names,
+            camera_of_photo=self.camera_of_photo,
+            oriented=self.oriented.copy(),
+            rotations=self.rotations.copy(),
+            centres=self.centres.copy(),
+            points=self.points[ids],
+            colours=tracks.colour[ids],
+            point_track=ids.astype(np.int32),
+            obs_photo=tracks.photo[observations].astype(np.int32),
+            obs_point=point.astype(np.int32),
+            obs_xy=tracks.xy[observations],
+            failures=failures,
+        )
+
+    def adopt(self, block: Block) -> None:
+        """Take orientations, points and calibration from an adjusted block made by `block`."""
+        self.rotations, self.centres = block.rotations.copy(), block.centres.copy()
+        self.points[block.point_track] = block.points
+        self.set_cameras(block.cameras)

@@ -1,0 +1,68 @@
+"""Intermediate adjustments of the growing block."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from graphos_core.adjustment.bundle.adjust import Options, adjust_block
+from graphos_core.adjustment.bundle.problem import Freedom
+from graphos_core.cameras import camera_model, ray_from_pixel
+from graphos_core.data import Block, Camera
+from graphos_core.run import Run
+
+FREED = (("focal_px", 3), ("k1", 3), ("k2", 5))
+"""Camera parameters estimated while orienting, and from how many photos of the camera on."""
+
+OPTIONS = Options(robust="cauchy", scale_px=1.0, max_iterations=25, tolerance=1e-5, statistics=False)
+
+
+class _Quiet(Run):
+    """Passes on the wish to stop, and nothing else: intermediate iterations are not the caller's."""
+
+    def __init__(self, outer: Run) -> None:
+        super().__init__(threads=outer.threads, seed=outer.seed)
+        self._outer = outer
+
+    def stopping(self) -> bool:
+        return self._outer.stopping()
+
+
+def adjusted(block: Block, *, self_calibrate: bool, run: Run) -> Block:
+    """Adjust a block with a robust function, so that wrong observations hardly pull.
+
+    With `self_calibrate` the principal distance and radial distortion of each camera are free once enough of its
+    photos are oriented; the principal point stays. Should a calibration run off, the cameras are held fixed.
+    """
+    free = _freed(block) if self_calibrate else ()
+    result = adjust_block(block, Freedom(interior=free), OPTIONS, run=_Quiet(run)).block
+    if any(free) and not all(
+        _plausible(new, old) for new, old in zip(result.cameras, block.cameras, strict=True)
+    ):
+        result = adjust_block(block, Freedom(), OPTIONS, run=_Quiet(run)).block
+    kept = tuple(
+        camera if names else replace(camera, sigmas=None)
+        for camera, names in zip(result.cameras, free or ((),) * len(result.cameras), strict=True)
+    )
+    return replace(result, cameras=kept)
+
+
+def _freed(block: Block) -> tuple[tuple[str, ...], ...]:
+    """Return the names of the free parameters of each camera."""
+    photos = np.bincount(block.camera_of_photo[block.oriented], minlength=len(block.cameras))
+    return tuple(
+        tuple(
+            name for name, least in FREED if photos[i] >= least and name in camera_model(camera.model).names
+        )
+        for i, camera in enumerate(block.cameras)
+    )
+
+
+def _plausible(new: Camera, old: Camera) -> bool:
+    """Whether a calibration still maps the format one to one with a principal distance of the same order."""
+    if not 0.4 < new.focal_px / old.focal_px < 2.5:
+        return False
+    x, y = new.width - 1.0, new.height - 1.0
+    edge = np.array([[0, 0], [x, 0], [0, y], [x, y], [x / 2, 0], [x / 2, y], [0, y / 2], [x, y / 2]])
+    return bool(np.isfinite(ray_from_pixel(new, edge)).all())

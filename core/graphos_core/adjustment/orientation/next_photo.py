@@ -1,0 +1,153 @@
+"""The next photo: which one to add to the block, and how it is oriented."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from graphos_core.adjustment.orientation.growing import GrowingBlock
+from graphos_core.data import Array
+from graphos_core.geometry.relative_orientation import depths, relative_orientation
+from graphos_core.geometry.resection import Resection, refine_resection, space_resection
+
+
+@dataclass(frozen=True)
+class Placement:
+    """An oriented photo that is to join the block; false in a condition when it cannot.
+
+    Attributes
+    ----------
+    rotation, centre : float64 (3, 3), (3,)
+        ``cam_from_world`` and projection centre.
+    method : str
+        ``"space resection"`` or ``"relative orientation to <photo>"``.
+    inliers, common : int
+        Known points that agree, of those it sees.
+    rms_px : float
+        Root mean square distance (2-D) of the agreeing points, px.
+    reason : str
+        Why it cannot join; empty where it can.
+    """
+
+    rotation: Array
+    centre: Array
+    method: str
+    inliers: int
+    common: int
+    rms_px: float
+    reason: str = ""
+
+    def __bool__(self) -> bool:
+        return not self.reason
+
+
+def inertia(xy: Array, width: int, height: int) -> float:
+    """Return how well points hold a photo: the smallest eigenvalue of their inertia matrix.
+
+    ``Σ (x − x̄)(x − x̄)ᵀ`` over the tie points with the oriented photos, in units of half the longer side: it grows
+    with the number of points and with their spread in the narrowest direction (Pierrot-Deseilligny and Cléry 2011,
+    APERO, choice of the next image).
+
+    Parameters
+    ----------
+    xy : float64 (n, 2)
+        Image points, px.
+    width, height : int
+        Format, px.
+    """
+    if len(xy) < 2:
+        return 0.0
+    centred = (xy - xy.mean(axis=0)) / (0.5 * max(width, height))
+    return float(np.linalg.eigvalsh(centred.T @ centred)[0])
+
+
+def rank_photos(block: GrowingBlock, waiting: list[int]) -> list[tuple[int, int]]:
+    """Return (photo, number of known points it sees), best hold first, by `inertia`."""
+    ranked = []
+    for photo in waiting:
+        seen = block.seen_by(photo)
+        camera = block.cameras[block.camera_of_photo[photo]]
+        ranked.append((inertia(block.tracks.xy[seen], camera.width, camera.height), photo, len(seen)))
+    ranked.sort(key=lambda item: (-item[0], item[1]))
+    return [(photo, count) for _, photo, count in ranked]
+
+
+def place_photo(
+    block: GrowingBlock, photo: int, *, min_points: int, threshold_px: float, seed: int
+) -> Placement:
+    """Orient a photo by space resection and by relative orientation to its best neighbour; keep the better one.
+
+    Better is the one with which more known points agree, and at equal number the smaller residual.
+    """
+    seen = block.seen_by(photo)
+    points, rays = block.points[block.tracks.track[seen]], block.rays[seen]
+    threshold = threshold_px / block.focal[photo]
+    resection = space_resection(points, rays, threshold, seed=seed)
+    best, method = resection, "space resection"
+    neighbour = best_neighbour(block, photo)
+    relative = by_relative_orientation(block, photo, neighbour, points, rays, threshold, seed=seed)
+    if (relative.inliers.sum(), -relative.rms) > (best.inliers.sum(), -best.rms):
+        best, method = relative, f"relative orientation to {block.names[neighbour]}"
+    count = int(best.inliers.sum())
+    reason = ""
+    if not best or count < min_points:
+        reason = (
+            f"only {count} of its {len(seen)} points in common with the oriented photos agree within "
+            f"{threshold_px:g} px, {min_points} needed"
+        )
+    return Placement(
+        best.rotation, best.centre, method, count, len(seen), best.rms * float(block.focal[photo]), reason
+    )
+
+
+def best_neighbour(block: GrowingBlock, photo: int) -> int:
+    """Return the oriented photo that shares most known points with `photo`."""
+    mine = np.zeros(block.tracks.count, dtype=bool)
+    mine[block.tracks.track[block.seen_by(photo)]] = True
+    shared = block.tracks.photo[block.used & mine[block.tracks.track]]
+    counts = np.bincount(shared, minlength=len(block.names))
+    counts[~block.oriented] = 0
+    return int(np.argmax(counts))
+
+
+def by_relative_orientation(
+    block: GrowingBlock,
+    photo: int,
+    neighbour: int,
+    points: Array,
+    rays: Array,
+    threshold: float,
+    *,
+    seed: int,
+) -> Resection:
+    """Orient `photo` by five points relative to `neighbour`, scaled by the known points common to both.
+
+    Parameters
+    ----------
+    points, rays : float64 (k, 3), (k, 2)
+        Known points and their rays in `photo`, with which the result is refined and judged.
+    threshold : float
+        Largest distance of an agreeing point, in the unit of the rays.
+    """
+    here, there = block.common(photo, neighbour)
+    nothing = np.zeros(len(points), dtype=bool)
+    focal = float(np.sqrt(block.focal[photo] * block.focal[neighbour]))
+    found = relative_orientation(
+        block.rays[there], block.rays[here], block.reprojection_px / focal, seed=seed
+    )
+    if not found:
+        return Resection(np.eye(3), np.zeros(3), nothing, np.inf, found.reason)
+    scaling = found.inliers & block.known[block.tracks.track[here]]
+    if scaling.sum() < 3:
+        return Resection(np.eye(3), np.zeros(3), nothing, np.inf, "too few known points to scale the base")
+    # the known depth in the neighbour against the one intersected with a base of length 1
+    object_points = block.points[block.tracks.track[here[scaling]]]
+    known = (object_points - block.centres[neighbour]) @ block.rotations[neighbour][2]
+    unit, _ = depths(found.rotation, found.translation, block.rays[there[scaling]], block.rays[here[scaling]])
+    base = float(np.median(known / unit))
+    if not (np.isfinite(base) and base > 0):
+        return Resection(np.eye(3), np.zeros(3), nothing, np.inf, "the base cannot be scaled")
+    rotation = found.rotation @ block.rotations[neighbour]
+    translation = base * found.translation - rotation @ block.centres[neighbour]
+    return refine_resection(rotation, translation, points, rays, threshold)
