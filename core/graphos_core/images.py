@@ -11,14 +11,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from PIL import (
-    Image,
-    JpegImagePlugin,
-    MpoImagePlugin,
-    PngImagePlugin,
-    TiffImagePlugin,
-    UnidentifiedImageError,
-)
+from PIL import Image, JpegImagePlugin, PngImagePlugin, TiffImagePlugin, UnidentifiedImageError
 
 from graphos_core.data import Array, Camera, Exif, Photo, PhotoSet
 from graphos_core.errors import ItemFailure, UserError
@@ -33,15 +26,16 @@ OTHER_PICTURES = (".bmp", ".gif", ".webp", ".heic", ".heif", ".jp2", ".dng", ".n
 MAX_PIXELS = 250_000_000
 """Largest photo that is opened; a small file can claim any size (decompression bomb)."""
 MIN_SIDE = 32
+
 _FORMATS = tuple(
     plugin.format
     for plugin in (
         JpegImagePlugin.JpegImageFile,
-        MpoImagePlugin.MpoImageFile,
         PngImagePlugin.PngImageFile,
         TiffImagePlugin.TiffImageFile,
     )
 )
+"""What is opened; naming the plugins also registers them, which must not happen in several threads at once."""
 
 _GREY_MODES = ("L", "LA", "I;16", "I;16B", "I;16L", "I")
 _COLOUR_MODES = ("RGB", "RGBA", "P")

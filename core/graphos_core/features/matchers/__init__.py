@@ -1,0 +1,1 @@
+"""Matchers, one per file: the features of two photos to candidate matches."""

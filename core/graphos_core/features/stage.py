@@ -1,0 +1,122 @@
+"""The features room as a whole: all photos through a detector, all pairs through matcher and verification."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from itertools import combinations
+
+import cv2
+from threadpoolctl import threadpool_limits
+
+from graphos_core.data import Array, Camera, Features, PairMatches
+from graphos_core.params import Params
+from graphos_core.registry import Algorithm
+from graphos_core.run import Run, each, map_items
+
+Choice = tuple[Algorithm, Params]
+"""An algorithm and its parameters."""
+
+PhotoReader = Callable[[int], tuple[Array, Array]]
+"""Reads photo i: the grey photo uint8 (h, w), preprocessed, and the colour one uint8 (h, w, 3)."""
+
+
+def detect_all(
+    count: int, read: PhotoReader, detector: Algorithm, params: Params, run: Run
+) -> list[Features]:
+    """Find the features of all photos.
+
+    Photos are taken one after the other and the detector uses all threads, which is as fast as threads over
+    photos and needs the memory of one photo. Each result is offered as ``("features", (index, Features))``.
+
+    Parameters
+    ----------
+    count : int
+        Number of photos.
+    read : callable
+        Reads photo i, grey and colour.
+    detector : Algorithm
+        Of the role ``detector``.
+    params : Params
+        Of the detector.
+    run : Run
+
+    Raises
+    ------
+    Stopped
+        When the person asked to stop.
+    """
+    before = cv2.getNumThreads()
+    cv2.setNumThreads(run.threads)
+    try:
+        found = []
+        for index in each(run, range(count), "photos"):
+            grey, colour = read(index)
+            run.check()
+            found.append(detector.function(grey, colour, params, run=run))
+            run.show("features", (index, found[-1]))
+        return found
+    finally:
+        cv2.setNumThreads(before)
+
+
+def match_all(
+    features: Sequence[Features],
+    cameras: Sequence[Camera],
+    matcher: Choice,
+    verification: Choice,
+    run: Run,
+    pairs: Sequence[tuple[int, int]] | None = None,
+) -> list[PairMatches]:
+    """Match and verify pairs of photos.
+
+    Pairs run side by side, each with a single-threaded matrix product: faster than one pair at a time with a
+    threaded product. Each result is offered as ``("pair", PairMatches)`` as soon as it is there, in any order and
+    from the thread that made it.
+
+    Parameters
+    ----------
+    features : sequence of Features
+        Of all photos.
+    cameras : sequence of Camera
+        Camera of each photo.
+    matcher, verification : (Algorithm, Params)
+    run : Run
+    pairs : sequence of (int, int), optional
+        All pairs by default.
+
+    Returns
+    -------
+    list of PairMatches
+        In the order of the pairs, rejected ones with their reason.
+
+    Raises
+    ------
+    Stopped
+        When the person asked to stop.
+    """
+    todo = list(combinations(range(len(features)), 2)) if pairs is None else list(pairs)
+    task = partial(
+        _match_pair, features=features, cameras=cameras, matcher=matcher, verification=verification, run=run
+    )
+    with threadpool_limits(1, "blas"):
+        return map_items(run, task, todo, "pairs")
+
+
+def _match_pair(
+    index: tuple[int, int],
+    features: Sequence[Features],
+    cameras: Sequence[Camera],
+    matcher: Choice,
+    verification: Choice,
+    run: Run,
+) -> PairMatches:
+    a, b = features[index[0]], features[index[1]]
+    run.check()
+    candidates = matcher[0].function(a, b, matcher[1], run=run)
+    run.check()
+    verified: PairMatches = verification[0].function(
+        index, a, b, candidates, (cameras[index[0]], cameras[index[1]]), verification[1], run=run
+    )
+    run.show("pair", verified)
+    return verified

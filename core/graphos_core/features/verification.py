@@ -1,0 +1,231 @@
+r"""Robust epipolar geometry of a pair: which candidate matches agree with one relative orientation."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+import cv2
+import numpy as np
+
+from graphos_core.cameras import ray_from_pixel
+from graphos_core.data import Array, Camera, Features, PairMatches
+from graphos_core.geometry.epipolar import fundamental_from_essential, interior_matrix, line_distances
+from graphos_core.params import About, Params
+from graphos_core.registry import algorithm
+from graphos_core.run import Run
+from graphos_core.text import Text
+
+LESSON = "features/verification"
+
+SMALLEST_SAMPLE = {"essential": 5, "fundamental": 7}
+
+
+class UsacParams(Params):
+    """Parameters of the robust estimation."""
+
+    threshold: Annotated[
+        float,
+        About(
+            label="Distance from the line",
+            symbol="d",
+            unit="px",
+            low=0.1,
+            high=50.0,
+            step=0.5,
+            help="Largest distance of a match from its epipolar line, in either photo, in pixels of the full photo. "
+            "It must leave room for the distortion, which is not known yet.",
+            effect="Higher: more matches, more wrong ones. Lower: with unknown distortion matches near the edges fail.",
+            learn=LESSON,
+            level="novice",
+        ),
+    ] = 4.0
+    minimum: Annotated[
+        int,
+        About(
+            label="Least matches",
+            symbol="n",
+            unit="matches",
+            low=8,
+            high=1000,
+            step=1,
+            help="A pair with fewer verified matches is not used.",
+            effect="Higher: doubtful pairs fall away. Lower: weakly overlapping photos stay connected.",
+            learn=LESSON,
+            level="student",
+        ),
+    ] = 15
+    model: Annotated[
+        Literal["auto", "essential", "fundamental"],
+        About(
+            label="Matrix",
+            help="Essential: principal distances are trusted (5 unknowns). Fundamental: they are not needed (7).",
+            effect="Automatic: essential unless a principal distance is only estimated.",
+            choices={
+                "auto": "automatic",
+                "essential": "essential matrix",
+                "fundamental": "fundamental matrix",
+            },
+            learn=LESSON,
+            level="student",
+        ),
+    ] = "auto"
+    confidence: Annotated[
+        float,
+        About(
+            label="Confidence",
+            symbol="p",
+            low=0.5,
+            high=1.0,
+            high_open=True,
+            step=0.001,
+            help="Probability that at least one sample was free of wrong matches when the search ends.",
+            effect="Higher: more samples, slower, safer. Lower: faster.",
+            learn=LESSON,
+            level="expert",
+        ),
+    ] = 0.999
+    iterations: Annotated[
+        int,
+        About(
+            label="Largest number of samples",
+            unit="samples",
+            low=100,
+            high=1_000_000,
+            step=1000,
+            help="The search ends after so many samples in any case.",
+            effect="Higher: pairs with very many wrong matches can be found, slower. Lower: faster.",
+            learn=LESSON,
+            level="expert",
+        ),
+    ] = 10_000
+
+
+@algorithm(
+    stage="features",
+    role="verification",
+    name="usac",
+    label="Robust epipolar geometry (MAGSAC++)",
+    source="Raguram et al. 2013 (USAC); Barath et al. 2020 (MAGSAC++); Nistér 2004 (five-point solver)",
+    learn=LESSON,
+)
+def usac(
+    index: tuple[int, int],
+    a: Features,
+    b: Features,
+    candidates: Array,
+    cameras: tuple[Camera, Camera],
+    params: UsacParams,
+    *,
+    run: Run,
+) -> PairMatches:
+    """Estimate the essential or fundamental matrix of a pair and keep the matches that fulfil it.
+
+    For an essential matrix the positions are freed from distortion by the camera models first. A match is verified
+    when its distance from the epipolar line is at most `UsacParams.threshold` in both photos. The random samples
+    depend on ``run.seed`` and the pair only.
+
+    Parameters
+    ----------
+    index : (int, int)
+        Indices of the photos.
+    a, b : Features
+    candidates : int32 (n, 2)
+        Feature indices in a and b.
+    cameras : (Camera, Camera)
+    params : UsacParams
+    run : Run
+
+    Returns
+    -------
+    PairMatches
+        With a reason and no matches where the pair cannot be used.
+    """
+    reliable = not (cameras[0].focal_estimated or cameras[1].focal_estimated)
+    kind = params.model if params.model != "auto" else ("essential" if reliable else "fundamental")
+    if len(candidates) < max(params.minimum, SMALLEST_SAMPLE[kind] + 1):
+        return _rejected(index, candidates, params, "candidate", len(candidates))
+    xy_a, xy_b = a.xy[candidates[:, 0]].astype(np.float64), b.xy[candidates[:, 1]].astype(np.float64)
+    if kind == "essential":
+        xy_a, xy_b = _ideal_pixels(cameras[0], xy_a), _ideal_pixels(cameras[1], xy_b)
+    usable = np.flatnonzero(np.isfinite(xy_a).all(axis=1) & np.isfinite(xy_b).all(axis=1))
+    matrix = _estimate(kind, xy_a[usable], xy_b[usable], cameras, _settings(index, params, run.seed))
+    if matrix is None:
+        return _rejected(index, candidates, params, "verified", 0)
+    fundamental = fundamental_from_essential(matrix, *cameras) if kind == "essential" else matrix
+    distance_a, distance_b = line_distances(fundamental, xy_a[usable], xy_b[usable])
+    verified = usable[(distance_a <= params.threshold) & (distance_b <= params.threshold)]
+    if len(verified) < params.minimum:
+        return _rejected(index, candidates, params, "verified", len(verified))
+    return PairMatches(
+        a=index[0],
+        b=index[1],
+        matches=np.ascontiguousarray(candidates[verified], dtype=np.int32),
+        candidates=len(candidates),
+        kind=kind,
+        matrix=matrix,
+        threshold_px=params.threshold,
+    )
+
+
+def _rejected(
+    index: tuple[int, int], candidates: Array, params: UsacParams, what: str, n: int
+) -> PairMatches:
+    template = (
+        "only {count} candidate matches, {needed} needed"
+        if what == "candidate"
+        else "only {count} verified matches of {candidates}, {needed} needed"
+    )
+    return PairMatches(
+        a=index[0],
+        b=index[1],
+        matches=np.zeros((0, 2), np.int32),
+        candidates=len(candidates),
+        kind="none",
+        matrix=np.zeros((3, 3)),
+        threshold_px=params.threshold,
+        reason=Text(template, count=n, needed=params.minimum, candidates=len(candidates)),
+    )
+
+
+def _ideal_pixels(camera: Camera, xy: Array) -> Array:
+    """Where the points would be without distortion, px; NaN where the distortion cannot be inverted."""
+    if not np.any(camera.values[3:]):
+        return xy
+    return np.asarray(ray_from_pixel(camera, xy)[:, :2] * camera.values[0] + camera.values[1:3])
+
+
+def _settings(index: tuple[int, int], params: UsacParams, seed: int) -> Any:
+    settings: Any = cv2.UsacParams()
+    settings.confidence = params.confidence
+    settings.maxIterations = params.iterations
+    settings.threshold = params.threshold
+    settings.isParallel = False
+    settings.sampler = cv2.SAMPLING_UNIFORM
+    settings.score = cv2.SCORE_METHOD_MAGSAC
+    settings.loMethod = cv2.LOCAL_OPTIM_SIGMA
+    settings.loIterations = 5
+    settings.loSampleSize = 50
+    settings.final_polisher = cv2.MAGSAC
+    settings.final_polisher_iterations = 3
+    state = np.random.SeedSequence([seed, *index]).generate_state(1)[0]
+    settings.randomGeneratorState = int(state & 0x7FFFFFFF)
+    return settings
+
+
+def _estimate(
+    kind: str, xy_a: Array, xy_b: Array, cameras: tuple[Camera, Camera], settings: Any
+) -> Array | None:
+    """Return the matrix (3, 3) of Frobenius norm 1, or None where no sample had a solution."""
+    if len(xy_a) <= SMALLEST_SAMPLE[kind]:
+        return None
+    try:
+        if kind == "essential":
+            inner_a, inner_b = interior_matrix(cameras[0]), interior_matrix(cameras[1])
+            found, _ = cv2.findEssentialMat(xy_a, xy_b, inner_a, inner_b, None, None, settings)
+        else:
+            found, _ = cv2.findFundamentalMat(xy_a, xy_b, settings)
+    except cv2.error:  # degenerate samples only: all points in one place or on a line
+        return None
+    if found is None or found.shape != (3, 3) or not np.isfinite(found).all() or not found.any():
+        return None
+    return np.asarray(found, dtype=np.float64) / np.linalg.norm(found)
