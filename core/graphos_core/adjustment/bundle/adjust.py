@@ -13,7 +13,7 @@ from graphos_core.adjustment.bundle.kernels import Rules
 from graphos_core.adjustment.bundle.levenberg_marquardt import Solution, minimise
 from graphos_core.adjustment.bundle.problem import Freedom, Problem, make_problem, select, usable
 from graphos_core.adjustment.bundle.reduced_system import ReducedSystem
-from graphos_core.data import Adjustment, Array, Block
+from graphos_core.data import Adjustment, Array, Block, Camera
 from graphos_core.run import Run
 from graphos_core.text import Text
 
@@ -108,7 +108,7 @@ def _without_hidden(
 ) -> Adjustment:
     """Adjust again without the observations that ended behind their cameras."""
     block, fixed = problem.to_block(solution.scene), problem.fixed_points
-    keep = ~np.isnan(residuals).any(axis=1)
+    keep: Array = np.asarray(np.isfinite(residuals).all(axis=1))
     keep[keep] = usable(replace(block, obs_photo=block.obs_photo[keep], obs_point=block.obs_point[keep],
                                 obs_xy=block.obs_xy[keep]), fixed)  # fmt: skip
     smaller, points = select(block, keep)
@@ -139,12 +139,9 @@ def _result(
         run.warn(Text("The normal equations are singular beyond the datum: some unknowns cannot be determined, "
                       "and their standard deviations cannot be trusted."))  # fmt: skip
     cameras = tuple(
-        replace(
-            camera, sigmas=None if interior is None else interior[c, : len(camera.values)],
-            **({"focal_estimated": False, "focal_source": "bundle adjustment"} if _focal_free(problem, c) else {}),
-        )
+        _calibrated(camera, None if interior is None else interior[c], problem, c)
         for c, camera in enumerate(block.cameras)
-    )  # fmt: skip
+    )
     return Adjustment(
         block=replace(block, cameras=cameras), sigma0_px=sigma0, redundancy=redundancy, observations=observations,
         unknowns=unknowns, datum=datum.describe(problem, defect), rms_px=float(np.sqrt((residuals**2).mean())),
@@ -154,9 +151,12 @@ def _result(
     )  # fmt: skip
 
 
-def _focal_free(problem: Problem, camera: int) -> bool:
+def _calibrated(camera: Camera, sigmas: Array | None, problem: Problem, index: int) -> Camera:
     layout = problem.layout
-    return bool(0 in layout.free_index[camera, : layout.free_count[camera]])
+    known = replace(camera, sigmas=None if sigmas is None else sigmas[: len(camera.values)])
+    if 0 not in layout.free_index[index, : layout.free_count[index]]:
+        return known
+    return replace(known, focal_estimated=False, focal_source="bundle adjustment")
 
 
 def _sigmas(
