@@ -16,7 +16,8 @@ from graphos_core.errors import UserError
 from graphos_core.outputs import check_writable, write_outputs
 from graphos_core.params import unknown_name
 from graphos_core.pipeline import Pipeline
-from graphos_core.project import FILE, Project
+from graphos_core.project import Project
+from graphos_core.project_file import FILE
 from graphos_core.recipe import Recipe
 from graphos_core.registry import STAGES, Algorithm, Stage
 from graphos_core.report import build_report

@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-import os
-import shutil
-import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import tomli_w
-
 from graphos_core import __version__
 from graphos_core.data import Control, ControlObservations, KnownDistance, PhotoSet
-from graphos_core.errors import ParamError, UserError
+from graphos_core.errors import UserError
+from graphos_core.project_file import (
+    FILE,
+    Settings,
+    check_settings,
+    copy_control,
+    inside,
+    read_settings,
+    relative_path,
+    resolved,
+    write_settings,
+)
 from graphos_core.run import Run
-from graphos_core.store import Store, cannot_write, content_key, write_text
+from graphos_core.store import Store, cannot_write, content_key
 from graphos_core.text import Text
-
-SCHEMA = 1
-FILE = "project.toml"
 
 
 class PhotosMoved(UserError):
@@ -42,44 +45,6 @@ class PhotosMoved(UserError):
         )
         self.expected = expected
         self.missing = missing
-
-
-@dataclass(frozen=True)
-class Settings:
-    """What a project knows beside its photos and its recipe.
-
-    Attributes
-    ----------
-    name : str
-    photos : str
-        Photo folder, relative to the project folder, with forward slashes.
-    files : tuple of str
-        Names of the photos when the project was last opened.
-    excluded : tuple of str
-        Photos the person switched off.
-    seed : int
-    focal_px : float or None
-        Principal distance given by the person, px.
-    principal_point : tuple of float or None
-        Principal point given by the person, px.
-    control : str
-        Control point file inside the project folder, or empty.
-    distance : tuple (str, str, float) or None
-        Two point names and their distance in metres.
-    reference : str
-        Reference cloud or mesh for quality control, relative to the project folder, or empty.
-    """
-
-    name: str
-    photos: str
-    files: tuple[str, ...] = ()
-    excluded: tuple[str, ...] = ()
-    seed: int = 0
-    focal_px: float | None = None
-    principal_point: tuple[float, float] | None = None
-    control: str = ""
-    distance: tuple[str, str, float] | None = None
-    reference: str = ""
 
 
 class Project:
@@ -113,7 +78,7 @@ class Project:
     @property
     def photos_folder(self) -> Path:
         """Folder of the photos."""
-        return _resolve(self.folder, self.settings.photos)
+        return resolved(self.folder, self.settings.photos)
 
     @classmethod
     def create(
@@ -138,10 +103,10 @@ class Project:
         """
         folder, photos = folder.absolute(), photos.absolute()
         control = settings.pop("control", None)
-        relative = _relative(photos, folder)
+        relative = relative_path(photos, folder)
         if (folder / FILE).exists():
-            found = _read(folder)
-            if _resolve(folder, found.photos).resolve() != photos.resolve():
+            found = read_settings(folder)
+            if resolved(folder, found.photos).resolve() != photos.resolve():
                 raise UserError(
                     Text(
                         "{folder} holds the project “{name}” of other photos.", folder=folder, name=found.name
@@ -151,14 +116,14 @@ class Project:
             made = replace(found, **{k: v for k, v in settings.items() if v is not None})
         else:
             made = Settings(name=name or photos.name, photos=relative, **settings)
-        _check(made)
+        check_settings(made)
         photo_set = _read_photos(photos, made, Store(folder / "results"), run or Run(), write=False)
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as problem:
             raise cannot_write(folder, problem) from problem
         if control is not None:
-            made = replace(made, control=_copy_control(Path(control), folder))
+            made = replace(made, control=copy_control(Path(control), folder))
         made = replace(made, files=tuple(sorted({p.name for p in photo_set.photos} | set(made.excluded))))
         project = cls(folder, made, photo_set, Store(folder / "results"))
         project.save()
@@ -184,13 +149,13 @@ class Project:
             When it is no project or cannot be read.
         """
         folder = (folder.parent if folder.name == FILE else folder).absolute()
-        settings = _read(folder)
-        where = photos.absolute() if photos is not None else _resolve(folder, settings.photos)
+        settings = read_settings(folder)
+        where = photos.absolute() if photos is not None else resolved(folder, settings.photos)
         missing = tuple(name for name in settings.files if not (where / name).is_file())
         if missing or not where.is_dir():
             raise PhotosMoved(where, missing or ("(folder)",))
         if photos is not None:
-            settings = replace(settings, photos=_relative(where, folder))
+            settings = replace(settings, photos=relative_path(where, folder))
         store = Store(folder / "results")
         store.sweep()
         project = cls(folder, settings, _read_photos(where, settings, store, run or Run(), write=True), store)
@@ -200,28 +165,14 @@ class Project:
 
     def save(self) -> None:
         """Write ``project.toml``."""
-        s = self.settings
-        document: dict[str, Any] = {"schema": SCHEMA, "name": s.name, "seed": s.seed, "version": __version__}
-        document["photos"] = {"folder": s.photos, "files": list(s.files), "excluded": list(s.excluded)}
-        camera = {
-            "focal_px": s.focal_px,
-            "principal_point": list(s.principal_point) if s.principal_point else None,
-        }
-        document["camera"] = {k: v for k, v in camera.items() if v is not None}
-        known = {
-            "control": s.control,
-            "distance": list(s.distance) if s.distance else "",
-            "reference": s.reference,
-        }
-        document["known"] = {k: v for k, v in known.items() if v}
-        write_text(self.folder / FILE, tomli_w.dumps(document))
+        write_settings(self.folder, self.settings)
 
     def change(self, run: Run | None = None, **settings: Any) -> Project:
         """Return the project with some settings changed, saved; ``control`` may be a path anywhere."""
         if settings.get("control"):
-            settings["control"] = _copy_control(Path(settings["control"]), self.folder)
+            settings["control"] = copy_control(Path(settings["control"]), self.folder)
         made = replace(self.settings, **settings)
-        _check(made)
+        check_settings(made)
         photo_set = _read_photos(self.photos_folder, made, self.store, run or Run(), write=True)
         project = Project(self.folder, made, photo_set, self.store)
         project.save()
@@ -233,7 +184,7 @@ class Project:
             return None, None
         from graphos_core.exchange.control import read_control
 
-        return read_control(_inside(self.folder, self.settings.control))
+        return read_control(inside(self.folder, self.settings.control))
 
     def known_distance(self) -> KnownDistance | None:
         """Return the known distance, if any."""
@@ -244,7 +195,7 @@ class Project:
 
     def reference_path(self) -> Path | None:
         """Return the path of the reference cloud or mesh, if any."""
-        return _resolve(self.folder, self.settings.reference) if self.settings.reference else None
+        return resolved(self.folder, self.settings.reference) if self.settings.reference else None
 
     def photos_key(self) -> dict[str, Any]:
         """Return what identifies the photos and the given calibration in keys."""
@@ -254,107 +205,6 @@ class Project:
                 [c.model, c.width, c.height, [float(v) for v in c.values]] for c in self.photo_set.cameras
             ],
         }
-
-
-def _relative(path: Path, start: Path) -> str:
-    try:
-        return Path(os.path.relpath(path.resolve(), start.resolve())).as_posix()
-    except ValueError:  # another drive on Windows
-        return path.resolve().as_posix()
-
-
-def _resolve(folder: Path, relative: str) -> Path:
-    return Path(os.path.normpath(folder / relative))
-
-
-def _inside(folder: Path, name: str) -> Path:
-    """Return a path inside the project folder, refusing one that leaves it."""
-    path = (folder / name).resolve()
-    if not path.is_relative_to(folder.resolve()):
-        raise UserError(
-            Text("The project names a file outside its folder: {name}.", name=name),
-            "A project may come from a stranger, so such paths are refused.",
-            "Put the file into the project folder and name it again.",
-        )
-    return path
-
-
-def _copy_control(source: Path, folder: Path) -> str:
-    if not source.is_file():
-        raise UserError(
-            Text("The control point file {name} does not exist.", name=source), todo="Check the path."
-        )
-    pairs = [(source, "control" + source.suffix.lower())]
-    beside = source.with_name(f"{source.stem}_measurements{source.suffix}")
-    if beside.is_file():
-        pairs.append((beside, "control_measurements" + source.suffix.lower()))
-    for origin, name in pairs:
-        if origin.resolve() != (folder / name).resolve():
-            try:
-                shutil.copyfile(origin, folder / name)
-            except OSError as problem:
-                raise cannot_write(folder / name, problem) from problem
-    return pairs[0][1]
-
-
-def _check(settings: Settings) -> None:
-    if settings.focal_px is not None and not 1.0 <= settings.focal_px <= 1e6:
-        raise ParamError(
-            "focal_px", Text("Principal distance: {v} px, needs 1 to 1000000", v=settings.focal_px)
-        )
-    if not 0 <= settings.seed < 2**31:
-        raise ParamError(
-            "seed", Text("Seed: {v}, needs a whole number from 0 to 2147483647", v=settings.seed)
-        )
-    if settings.distance is not None and not settings.distance[2] > 0:
-        raise ParamError("distance", Text("Known distance: {v} m, needs more than 0", v=settings.distance[2]))
-
-
-def _read(folder: Path) -> Settings:
-    try:
-        document = tomllib.loads((folder / FILE).read_text("utf-8"))
-        if document.get("schema") != SCHEMA:
-            raise UserError(
-                Text("The project in {folder} was written by another version of the program.", folder=folder),
-                Text("This version reads schema {ours}, the project has {theirs}.", ours=SCHEMA,
-                     theirs=document.get("schema", "none")),
-                "Open it with the version that wrote it, or make a new project from the photos.",
-            )  # fmt: skip
-        photos, camera, known = document["photos"], document.get("camera", {}), document.get("known", {})
-        files = tuple(_plain_name(n) for n in photos.get("files", ()))
-        distance = known.get("distance")
-        point = camera.get("principal_point")
-        return Settings(
-            name=str(document["name"]),
-            photos=str(photos["folder"]),
-            files=files,
-            excluded=tuple(_plain_name(n) for n in photos.get("excluded", ())),
-            seed=int(document.get("seed", 0)),
-            focal_px=None if camera.get("focal_px") is None else float(camera["focal_px"]),
-            principal_point=None if point is None else (float(point[0]), float(point[1])),
-            control=str(known.get("control", "")),
-            distance=None if not distance else (str(distance[0]), str(distance[1]), float(distance[2])),
-            reference=str(known.get("reference", "")),
-        )
-    except FileNotFoundError as problem:
-        raise UserError(
-            Text("{folder} is not a GRAPHOS project.", folder=folder),
-            "It has no project.toml.",
-            "Choose a project folder, or make a new project from a folder of photos.",
-        ) from problem
-    except (OSError, KeyError, TypeError, ValueError, IndexError) as problem:
-        raise UserError(
-            Text("The project in {folder} cannot be read.", folder=folder),
-            Text("project.toml is damaged: {why}.", why=problem),
-            "Make a new project from the photos; stored results stay in the folder.",
-        ) from problem
-
-
-def _plain_name(name: Any) -> str:
-    """Return a photo name from a project file, refusing one that leaves the photo folder."""
-    if not isinstance(name, str) or Path(name).is_absolute() or ".." in Path(name).parts or "\\" in name:
-        raise ValueError(f"“{name}” is not the name of a photo")
-    return name
 
 
 def _read_photos(folder: Path, settings: Settings, store: Store, run: Run, *, write: bool) -> PhotoSet:
