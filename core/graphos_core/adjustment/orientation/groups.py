@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from graphos_core.data import PairMatches
 from graphos_core.errors import ItemFailure
+from graphos_core.features.graph import components
 from graphos_core.text import Text
 
 LISTED = 4
@@ -13,30 +14,8 @@ LISTED = 4
 
 
 def photo_groups(count: int, pairs: Sequence[PairMatches]) -> list[tuple[int, ...]]:
-    """Return the groups of two photos or more that hang together by verified pairs.
-
-    Largest first, then most matches; photos in ascending order.
-    """
-    parent = list(range(count))
-
-    def root(photo: int) -> int:
-        while parent[photo] != photo:
-            parent[photo] = parent[parent[photo]]
-            photo = parent[photo]
-        return photo
-
-    for pair in pairs:
-        if len(pair.matches):
-            parent[root(pair.a)] = root(pair.b)
-    members: dict[int, list[int]] = {}
-    weight: dict[int, int] = {}
-    for photo in range(count):
-        members.setdefault(root(photo), []).append(photo)
-    for pair in pairs:
-        weight[root(pair.a)] = weight.get(root(pair.a), 0) + len(pair.matches)
-    groups = [(r, tuple(group)) for r, group in members.items() if len(group) > 1]
-    groups.sort(key=lambda item: (-len(item[1]), -weight.get(item[0], 0), item[1]))
-    return [group for _, group in groups]
+    """Return the groups of two photos or more that hang together by verified pairs, largest first."""
+    return [group for group in components(count, pairs) if len(group) > 1]
 
 
 def listed(names: Sequence[str]) -> str:
