@@ -80,7 +80,9 @@ def _column(x: float, seed: int) -> list[Patch]:
     for k in range(10):  # leaves of the capital
         turn = 2 * np.pi * k / 10 + 0.31
         centre = (x + 0.235 * np.sin(turn), COLUMN_Y - 0.235 * np.cos(turn))
-        outline = np.stack([0.055 * np.sin(np.pi * (0.15 + 0.83 * leaf)) + 0.012, high + 0.06 + 0.26 * leaf], axis=1)
+        outline = np.stack(
+            [0.055 * np.sin(np.pi * (0.15 + 0.83 * leaf)) + 0.012, high + 0.06 + 0.26 * leaf], axis=1
+        )
         patches.append(revolve(outline, centre, replace(stone, seed=seed + k), sides=12))
     patches += box((x - 0.42, COLUMN_Y - 0.42, top - 0.16), (x + 0.42, COLUMN_Y + 0.42, top), stone, "fdlr")
     return patches
@@ -104,9 +106,7 @@ def _niche(x: float, seed: int) -> list[Patch]:
         [0.29, 0.90], [0.19, 1.02], [0.15, 1.10], [0.17, 1.18], [0.25, 1.24], [0.25, 1.28], [0.12, 1.33], [0.03, 1.42],
         [0.002, 1.50],
     ])  # fmt: skip
-    dense = np.stack(
-        [np.interp(np.linspace(0, 16, 65), np.arange(17), urn[:, k]) for k in range(2)], axis=1
-    )
+    dense = np.stack([np.interp(np.linspace(0, 16, 65), np.arange(17), urn[:, k]) for k in range(2)], axis=1)
     dense[:, 1] += z0 + 0.22
     patches.append(revolve(dense, (x, 0.10), Finish(STONE, seed + 3, 0.7), sides=40))
     patches += box((x - 0.28, -0.16, z0), (x + 0.28, 0.36, z0 + 0.22), Finish(ASHLAR, seed, 0.7), "fulr")
@@ -173,7 +173,11 @@ def _window() -> list[Patch]:
 
 def _reveal(x0: float, x1: float, z0: float, z1: float, depth: float, finish: Finish) -> list[Patch]:
     """Sides, sill and lintel of a rectangular recess, seen from inside it."""
-    into, up, across = np.array([0.0, depth, 0.0]), np.array([0.0, 0.0, z1 - z0]), np.array([x1 - x0, 0.0, 0.0])
+    into, up, across = (
+        np.array([0.0, depth, 0.0]),
+        np.array([0.0, 0.0, z1 - z0]),
+        np.array([x1 - x0, 0.0, 0.0]),
+    )
     return [
         plane(np.array([x0, 0.0, z0]), into, up, finish),
         plane(np.array([x1, depth, z0]), -into, up, finish),
@@ -190,7 +194,9 @@ def _corners() -> list[Patch]:
             z = PLINTH + 0.03 + k * 0.345
             reach = 0.70 if k % 2 == 0 else 0.46
             x0, x1 = sorted((side * 6.05, side * (6.05 - reach)))
-            patches += box((x0, -0.07, z), (x1, 0.0, min(z + 0.32, EAVES)), Finish(STONE, 5 * k, 0.9), "fudlr")
+            patches += box(
+                (x0, -0.07, z), (x1, 0.0, min(z + 0.32, EAVES)), Finish(STONE, 5 * k, 0.9), "fudlr"
+            )
     brick = Finish(BRICK, 3, 0.8, 2.0)
     patches.append(plane(np.array([-6.0, 6.0, 0.0]), np.array([0, -6.0, 0]), np.array([0, 0, 7.0]), brick))
     patches.append(plane(np.array([6.0, 0.0, 0.0]), np.array([0, 6.0, 0]), np.array([0, 0, 7.0]), brick))
@@ -205,13 +211,17 @@ def _entablature() -> list[Patch]:
     patches += box((-6.2, -0.78, z + 0.46), (6.2, 0.0, z + 0.92), Finish(ASHLAR, 81, 1.0), "flr")
     for k in range(7):  # medallions on the frieze
         x = -5.4 + 1.8 * k
-        patches += box((x - 0.30, -0.83, z + 0.54), (x + 0.30, -0.78, z + 0.84), Finish(STONE, 82 + k, 0.6), "fudlr")
+        patches += box(
+            (x - 0.30, -0.83, z + 0.54), (x + 0.30, -0.78, z + 0.84), Finish(STONE, 82 + k, 0.6), "fudlr"
+        )
         for dx in (-0.15, 0.0, 0.15):
             low, high = (x + dx - 0.045, -0.87, z + 0.57), (x + dx + 0.045, -0.83, z + 0.81)
             patches += box(low, high, Finish(STONE, 90 + k, 0.6), "fudlr")
     for k in range(44):  # dentils
         x = -6.1 + 12.2 * k / 43
-        patches += box((x - 0.08, -0.95, z + 0.94), (x + 0.08, -0.78, z + 1.08), Finish(STONE, 3 * k, 0.6), "fdlr")
+        patches += box(
+            (x - 0.08, -0.95, z + 0.94), (x + 0.08, -0.78, z + 1.08), Finish(STONE, 3 * k, 0.6), "fdlr"
+        )
     profile = np.array([
         [-0.78, 0.92], [-0.80, 0.93], [-0.80, 1.08], [-1.02, 1.09], [-1.12, 1.14], [-1.12, 1.26], [-1.16, 1.28],
         [-1.22, 1.34], [-1.30, 1.38], [-1.30, 1.43], [-0.55, 1.50],

@@ -93,7 +93,9 @@ def _picture(image: Array, v: float, u: float) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _texel_light(texels: Array, table: Array, patch: int, level: int, s: float, t: float, out: Array, weight: float) -> None:
+def _texel_light(
+    texels: Array, table: Array, patch: int, level: int, s: float, t: float, out: Array, weight: float
+) -> None:
     """Add `weight` × the bilinear light of one level at (s, t), in shares of the tile, to `out` (3,)."""
     offset = table[patch, level, 0]
     h = table[patch, level, 1]
@@ -111,7 +113,9 @@ def _texel_light(texels: Array, table: Array, patch: int, level: int, s: float, 
         q = float(texels[offset + (i * w + j1) * 3 + c])
         r = float(texels[offset + (i1 * w + j) * 3 + c])
         u = float(texels[offset + (i1 * w + j1) * 3 + c])
-        out[c] += weight * ((p * p * (1 - a) + q * q * a) * (1 - b) + (r * r * (1 - a) + u * u * a) * b) / 65025.0
+        out[c] += (
+            weight * ((p * p * (1 - a) + q * q * a) * (1 - b) + (r * r * (1 - a) + u * u * a) * b) / 65025.0
+        )
 
 
 @njit(cache=True, nogil=True)

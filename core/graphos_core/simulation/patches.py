@@ -184,7 +184,11 @@ def extrude(profile: Array, x0: float, x1: float, finish: Finish, *, cell: float
 
 
 def pierced(
-    origin: Array, width: float, height: float, openings: list[tuple[float, float, float, float, bool]], finish: Finish
+    origin: Array,
+    width: float,
+    height: float,
+    openings: list[tuple[float, float, float, float, bool]],
+    finish: Finish,
 ) -> Patch:
     """Return an upright wall towards −y with openings.
 

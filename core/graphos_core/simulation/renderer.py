@@ -109,7 +109,9 @@ def _directions(camera: Camera, x: Array, y: Array) -> Array:
     return ray_from_pixel(camera, pixels.reshape(-1, 2)).reshape(*pixels.shape[:2], 3)
 
 
-def render_light(scene: Scene, grid: RayGrid, rotation: Array, centre: Array, run: Run | None = None) -> Array:
+def render_light(
+    scene: Scene, grid: RayGrid, rotation: Array, centre: Array, run: Run | None = None
+) -> Array:
     """Return the light at the lens, linear float32 (h, w, 3), without vignetting and noise.
 
     Parameters

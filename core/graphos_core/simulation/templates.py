@@ -7,6 +7,7 @@ them to the object with `Stations.moved`.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
@@ -47,7 +48,9 @@ class Stations:
 
 
 def _metres(label: str, text: str, effect: str = "", low: float = 0.0, **more: Any) -> About:
-    return About(label=label, unit="m", low=low, high=10000, low_open=low == 0.0, help=text, effect=effect, **more)
+    return About(
+        label=label, unit="m", low=low, high=10000, low_open=low == 0.0, help=text, effect=effect, **more
+    )
 
 
 def _degrees(label: str, text: str, low: float, high: float, effect: str = "", **more: Any) -> About:
@@ -81,7 +84,9 @@ class TripleParams(Params):
     base: Annotated[
         float, _metres("Base", "Distance between neighbouring projection centres along x.", symbol="B")
     ] = 2.5  # fmt: skip
-    distance: Annotated[float, _metres("Distance", "From the row to the middle of the object.", symbol="D")] = 12.0
+    distance: Annotated[
+        float, _metres("Distance", "From the row to the middle of the object.", symbol="D")
+    ] = 12.0
     convergence: Annotated[
         float, _degrees("Convergence", "Angle between neighbouring viewing directions; 0 is the normal case.", -60, 75,
                         symbol=r"\gamma")
@@ -100,7 +105,9 @@ class GridParams(Params):
                        "Higher: larger ground sampling distance.", symbol="h")
     ] = 30.0  # fmt: skip
     base: Annotated[float, _metres("Base", "Distance between photos along a strip.", symbol="B")] = 7.0
-    spacing: Annotated[float, _metres("Strip spacing", "Distance between neighbouring strips.", symbol="A")] = 9.0
+    spacing: Annotated[
+        float, _metres("Strip spacing", "Distance between neighbouring strips.", symbol="A")
+    ] = 9.0
     strips: Annotated[int, _count("Strips", "Number of strips.")] = 3
     per_strip: Annotated[int, _count("Photos per strip", "Number of photos in each strip.")] = 4
     oblique: Annotated[
@@ -123,7 +130,9 @@ class OrbitalParams(Params):
     per_equator: Annotated[int, _count("Photos per equator", "Number of photos on each ring.")] = 16
     meridians: Annotated[int, _count("Meridians", "Number of upright half rings.", 0)] = 0
     per_meridian: Annotated[int, _count("Photos per meridian", "Number of photos on each half ring.")] = 7
-    lowest: Annotated[float, _degrees("Lowest latitude", "Parametric latitude of the lowest station.", -85, 85)] = 0.0
+    lowest: Annotated[
+        float, _degrees("Lowest latitude", "Parametric latitude of the lowest station.", -85, 85)
+    ] = 0.0
     highest: Annotated[
         float, _degrees("Highest latitude", "Parametric latitude of the highest station.", -85, 85)
     ] = 35.0  # fmt: skip
@@ -132,7 +141,9 @@ class OrbitalParams(Params):
 class FacadeParams(Params):
     """Stations on a convergent arc in front of a façade, at two heights, some turned about the viewing direction."""
 
-    distance: Annotated[float, _metres("Distance", "Radius of the arc about the middle of the object.")] = 12.0
+    distance: Annotated[float, _metres("Distance", "Radius of the arc about the middle of the object.")] = (
+        13.5
+    )
     arc: Annotated[
         float, _degrees("Arc", "Angle between the outermost stations, seen from the object.", 1, 150,
                         "Wider: better intersection, harder matching.")
@@ -217,7 +228,9 @@ def orbital(params: OrbitalParams) -> Stations:
     lowest, highest = np.radians([params.lowest, params.highest])
     places: list[tuple[float, float]] = []
     for latitude in _spread(lowest, highest, params.equators):
-        places += [(latitude, 2 * np.pi * k / params.per_equator - np.pi / 2) for k in range(params.per_equator)]
+        places += [
+            (latitude, 2 * np.pi * k / params.per_equator - np.pi / 2) for k in range(params.per_equator)
+        ]
     for m in range(params.meridians):
         longitude = 2 * np.pi * m / params.meridians - np.pi / 2
         places += [(latitude, longitude) for latitude in _spread(lowest, highest, params.per_meridian)]
@@ -250,17 +263,44 @@ def facade(params: FacadeParams) -> Stations:
     return _stations("facade", rotations, centres)
 
 
-TEMPLATES: dict[str, tuple[type[Params], Callable[[Any], Stations]]] = {
-    "couple": (CoupleParams, couple),
-    "triple": (TripleParams, triple),
-    "grid": (GridParams, grid),
-    "orbital": (OrbitalParams, orbital),
-    "facade": (FacadeParams, facade),
+@dataclass(frozen=True)
+class Template:
+    """A template: its parameter sheet, its function, and the scene it is photographed with."""
+
+    params: type[Params]
+    function: Callable[[Any], Stations]
+    scene: str
+
+    @property
+    def summary(self) -> str:
+        """First sentence of the parameter sheet's documentation."""
+        return (self.params.__doc__ or "").partition("\n")[0]
+
+
+TEMPLATES: dict[str, Template] = {
+    "couple": Template(CoupleParams, couple, "facade"),
+    "triple": Template(TripleParams, triple, "facade"),
+    "grid": Template(GridParams, grid, "terrain"),
+    "orbital": Template(OrbitalParams, orbital, "statue"),
+    "facade": Template(FacadeParams, facade, "facade"),
 }
-"""Every template by name: its parameter sheet and its function."""
+"""Every template by name."""
 
 
-def place(template: str, params: Params | None = None) -> Stations:
+def template(name: str) -> Template:
+    """Return a template by name.
+
+    Raises
+    ------
+    UserError
+        When there is none of that name.
+    """
+    if name not in TEMPLATES:
+        raise UserError(unknown_name(name, list(TEMPLATES), "template"))
+    return TEMPLATES[name]
+
+
+def place(name: str, params: Params | None = None) -> Stations:
     """Return the stations of a template, by default with its own parameters.
 
     Raises
@@ -268,7 +308,5 @@ def place(template: str, params: Params | None = None) -> Stations:
     UserError
         When there is no template of that name.
     """
-    if template not in TEMPLATES:
-        raise UserError(unknown_name(template, list(TEMPLATES), "template"))
-    sheet, function = TEMPLATES[template]
-    return function(params if params is not None else sheet())
+    found = template(name)
+    return found.function(params if params is not None else found.params())
