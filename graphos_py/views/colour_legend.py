@@ -29,11 +29,18 @@ def paint_legend(
     line = metrics.height()
     heading = f"{title} [{unit}]" if unit else title
     width = max(BAR_WIDTH, float(metrics.horizontalAdvance(heading))) + 20
-    box = QRectF(area.right() - width - 12, area.bottom() - 2 * line - BAR_HEIGHT - 30, width, 2 * line + BAR_HEIGHT + 18)
+    box = QRectF(
+        area.right() - width - 12,
+        area.bottom() - 2 * line - BAR_HEIGHT - 30,
+        width,
+        2 * line + BAR_HEIGHT + 18,
+    )
     painter.save()
     plate(painter, box, palette)
     inner = box.adjusted(10, 6, -10, -6)
-    painter.drawText(QRectF(inner.left(), inner.top(), inner.width(), line), Qt.AlignmentFlag.AlignLeft, heading)
+    painter.drawText(
+        QRectF(inner.left(), inner.top(), inner.width(), line), Qt.AlignmentFlag.AlignLeft, heading
+    )
     bar = QRectF(inner.left(), inner.top() + line + 3, inner.width(), BAR_HEIGHT)
     painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
     painter.drawImage(bar, _bar(table))

@@ -91,10 +91,14 @@ class KeypointLayer:
         f = self._features
         assert f is not None
         canvas = self.canvas
-        mask = np.zeros((max(round(canvas.height() * ratio), 1), max(round(canvas.width() * ratio), 1)), np.uint8)
+        mask = np.zeros(
+            (max(round(canvas.height() * ratio), 1), max(round(canvas.width() * ratio), 1)), np.uint8
+        )
         centre = canvas.to_screen(f.xy) * ratio - 0.5
         radius = 0.5 * np.asarray(f.scale, np.float64) * canvas.zoom * ratio
-        inside = ((centre > -radius[:, None]) & (centre < np.array(mask.shape[::-1]) + radius[:, None])).all(axis=1)
+        inside = ((centre > -radius[:, None]) & (centre < np.array(mask.shape[::-1]) + radius[:, None])).all(
+            axis=1
+        )
         angle = np.asarray(f.angle, np.float64)[inside]
         centre, radius = centre[inside], radius[inside]
         dots = radius < DOT_BELOW * ratio
@@ -102,9 +106,11 @@ class KeypointLayer:
             cv2.rectangle(mask, (x, y), (x + 1, y + 1), 255, -1)
         one = 1 << SHIFT
         fixed = np.round(np.column_stack([centre, radius])[~dots] * one).astype(int)
-        tips = centre[~dots] + (radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])[:, :])[~dots] if len(
-            centre
-        ) else centre
+        tips = (
+            centre[~dots] + (radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])[:, :])[~dots]
+            if len(centre)
+            else centre
+        )
         ends = np.round(tips * one).astype(int)
         for (x, y, r), (ex, ey) in zip(fixed.tolist(), ends.tolist()):
             cv2.circle(mask, (x, y), r, 255, 1, cv2.LINE_AA, SHIFT)

@@ -272,7 +272,9 @@ class MatchView(QWidget):
         if self.residuals is not None and len(self.residuals):
             area = QRectF(0, 0, self._over.width(), self._over.height())
             title = self.tr("distance from the epipolar line")
-            paint_legend(painter, area, self.palette(), 0.0, self.legend_range(), title, "px", "bright viridis")
+            paint_legend(
+                painter, area, self.palette(), 0.0, self.legend_range(), title, "px", "bright viridis"
+            )
 
     def _paint_matches(self, painter: QPainter) -> None:
         """Paint all points and, evenly chosen, as many lines as can be told apart; kept until the view changes."""
@@ -298,7 +300,9 @@ class MatchView(QWidget):
         inside = [self._in_sight(side, positions) for side, positions in enumerate(both)]
         linked = np.flatnonzero(inside[0] & inside[1])
         self.lines_drawn = min(len(linked), LINES_AT_MOST)
-        drawn = linked[np.linspace(0, len(linked) - 1, self.lines_drawn).astype(int)] if len(linked) else linked
+        drawn = (
+            linked[np.linspace(0, len(linked) - 1, self.lines_drawn).astype(int)] if len(linked) else linked
+        )
         rows = np.column_stack(both)
         edge = QColor(0, 0, 0, 110)
         for index in drawn.tolist():

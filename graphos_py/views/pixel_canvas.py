@@ -16,16 +16,16 @@ from PySide6.QtGui import (
     QKeyEvent,
     QMouseEvent,
     QPainter,
-    QPalette,
     QPaintEvent,
+    QPalette,
     QResizeEvent,
     QWheelEvent,
 )
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from graphos_core.data.record import Array
-from graphos_py.views.painting import paint_empty_state
 from graphos_py.views.export import image_from_array
+from graphos_py.views.painting import paint_empty_state
 
 Layer = Callable[[QPainter], None]
 LARGEST_ZOOM = 64.0
@@ -206,10 +206,16 @@ class PixelCanvas(QWidget):
         painter.setPen(QColor(128, 128, 128, 70))
         for column in range(int(seen.left()), int(seen.right()) + 2):
             x = self.left + column * self.zoom
-            painter.drawLine(QPointF(x, self.top + seen.top() * self.zoom), QPointF(x, self.top + seen.bottom() * self.zoom))
+            painter.drawLine(
+                QPointF(x, self.top + seen.top() * self.zoom),
+                QPointF(x, self.top + seen.bottom() * self.zoom),
+            )
         for row in range(int(seen.top()), int(seen.bottom()) + 2):
             y = self.top + row * self.zoom
-            painter.drawLine(QPointF(self.left + seen.left() * self.zoom, y), QPointF(self.left + seen.right() * self.zoom, y))
+            painter.drawLine(
+                QPointF(self.left + seen.left() * self.zoom, y),
+                QPointF(self.left + seen.right() * self.zoom, y),
+            )
 
     # people
 
@@ -296,6 +302,8 @@ def _levels(image: Array) -> list[QImage]:
     levels = [image_from_array(image)]
     small = image
     while min(small.shape[:2]) > 256:
-        small = cv2.resize(small, (max(small.shape[1] // 2, 1), max(small.shape[0] // 2, 1)), interpolation=cv2.INTER_AREA)
+        small = cv2.resize(
+            small, (max(small.shape[1] // 2, 1), max(small.shape[0] // 2, 1)), interpolation=cv2.INTER_AREA
+        )
         levels.append(image_from_array(small))
     return levels

@@ -84,7 +84,9 @@ class VectorLayer:
 
     def _paint_name(self, painter: QPainter, name: str, at: Array) -> None:
         metrics = painter.fontMetrics()
-        box = QRectF(at[0] + 8, at[1] - metrics.height() - 4, metrics.horizontalAdvance(name) + 10, metrics.height())
+        box = QRectF(
+            at[0] + 8, at[1] - metrics.height() - 4, metrics.horizontalAdvance(name) + 10, metrics.height()
+        )
         plate(painter, box, self.canvas.palette())
         painter.drawText(box, Qt.AlignmentFlag.AlignCenter, name)
 
@@ -92,16 +94,23 @@ class VectorLayer:
         per_px = self.exaggeration * self.canvas.zoom
         shown = round_step(80.0 / per_px)
         length = shown * per_px
-        text = f"{format_value(shown, digits=1, unit='px')} {self.label}" + THIN_SPACE + "  " + QCoreApplication.translate(
-            "VectorLayer", "drawn {factor}× longer"
-        ).format(factor=format_value(self.exaggeration, digits=2))
+        text = (
+            f"{format_value(shown, digits=1, unit='px')} {self.label}"
+            + THIN_SPACE
+            + "  "
+            + QCoreApplication.translate("VectorLayer", "drawn {factor}× longer").format(
+                factor=format_value(self.exaggeration, digits=2)
+            )
+        )
         metrics = painter.fontMetrics()
         width = length + metrics.horizontalAdvance(text) + 32
         box = QRectF(12, self.canvas.height() - metrics.height() - 24, width, metrics.height() + 12)
         plate(painter, box, self.canvas.palette())
         middle = box.center().y()
         painter.drawText(
-            box.adjusted(length + 22, 0, 0, 0), Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft, text
+            box.adjusted(length + 22, 0, 0, 0),
+            Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft,
+            text,
         )
         painter.setPen(QPen(INK, 2))
         painter.drawLine(QPointF(box.left() + 10, middle), QPointF(box.left() + 10 + length, middle))

@@ -1,0 +1,478 @@
+"""The 3D view: cloud, cameras with their photos, measuring."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import partial
+
+import numpy as np
+from PySide6.QtCore import QPoint, Qt, Signal
+from PySide6.QtGui import QAction, QKeyEvent, QPalette
+from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QSlider, QToolButton, QVBoxLayout, QWidget
+
+from graphos_core.data.cameras import Camera
+from graphos_core.data.record import Array
+from graphos_core.number_format import THIN_SPACE, format_value, group_thousands
+from graphos_core.rendering import PreparedCloud
+from graphos_py.views.cloud_canvas import CloudCanvas, Picture
+from graphos_py.views.cloud_overlay import CloudOverlay
+from graphos_py.views.cloud_scene import RGB, VALUES, CloudScene, Legend
+from graphos_py.views.export import Writer, export_menu, write_csv, write_png, write_svg
+from graphos_py.views.painting import is_dark, round_step
+
+DENSE_FROM = 60_000
+"""Clouds with more points than this cover their surface, so edges in depth can be shaded."""
+
+
+class CloudView(QWidget):
+    """Points, cameras and measurements in space.
+
+    Signals
+    -------
+    point_picked(index)
+        Index of the point that was clicked, −1 for none.
+    camera_clicked(index), camera_double_clicked(index)
+        Index into the arrays given to `set_cameras`.
+    measured(text)
+        What is measured, for people; empty when cleared.
+    """
+
+    point_picked = Signal(int)
+    camera_clicked = Signal(int)
+    camera_double_clicked = Signal(int)
+    measured = Signal(str)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setObjectName("cloud")
+        self.scene = CloudScene()
+        self.mode = RGB
+        self.picked = -1
+        self.selected_camera = -1
+        self.measure_points: list[int] = []
+        self._prepared: PreparedCloud | None = None
+        self._prepared_mode = ""
+        self._dense = False
+        self.canvas = CloudCanvas(self._describe, self)
+        self.canvas.fit_points = lambda: self.scene.corners() if self._filled() else np.zeros((0, 3))
+        self.canvas.empty = (
+            self.tr("Here you will see the object in space, and where the photos were taken"),
+            self.tr("Run the adjustment, or open a point cloud."),
+        )
+        self.overlay = CloudOverlay(self)
+        self.canvas.layers = [self.overlay.paint]
+        self._build_bar()
+        self._text, self._state = QLabel(), QLabel()
+        footer = QHBoxLayout()
+        footer.setContentsMargins(8, 2, 8, 2)
+        footer.addWidget(self._text, 1)
+        footer.addWidget(self._state)
+        box = QVBoxLayout(self)
+        box.setContentsMargins(0, 0, 0, 0)
+        box.setSpacing(0)
+        box.addLayout(self._bar)
+        box.addWidget(self.canvas, 1)
+        box.addLayout(footer)
+        self.setFocusProxy(self.canvas)
+        self.canvas.clicked.connect(self._on_click)
+        self.canvas.double_clicked.connect(self._on_double_click)
+        self.canvas.hovered.connect(self._on_hover)
+        self.canvas.menu_wanted.connect(self._show_menu)
+        self._write()
+
+    def _build_bar(self) -> None:
+        self._bar = QHBoxLayout()
+        self._bar.setContentsMargins(8, 4, 8, 4)
+        self._bar.setSpacing(8)
+        self.mode_box = QComboBox()
+        self.mode_box.setToolTip(self.tr("What the colour of a point says"))
+        self._fill_modes()
+        self.mode_box.currentIndexChanged.connect(lambda _: self.set_mode(str(self.mode_box.currentData())))
+        self._bar.addWidget(self.mode_box)
+        size = QLabel(self.tr("Point size"))
+        self.size_slider = QSlider(Qt.Orientation.Horizontal)
+        self.size_slider.setRange(1, 10)
+        self.size_slider.setValue(2)
+        self.size_slider.setFixedWidth(96)
+        self.size_slider.setToolTip(
+            self.tr("Side of a point, px; points close to you grow to close the surface")
+        )
+        self.size_slider.valueChanged.connect(lambda _: self.canvas.refresh())
+        size.setBuddy(self.size_slider)
+        self._bar.addWidget(size)
+        self._bar.addWidget(self.size_slider)
+        self.shading_button = self._toggle(self.tr("Shading"), self.tr("Darken edges in depth"), False)
+        self.cameras_button = self._toggle(
+            self.tr("Cameras"), self.tr("Show where the photos were taken"), True
+        )
+        self.photos_button = self._toggle(
+            self.tr("Photos"), self.tr("Show the photos at their cameras"), True
+        )
+        self.grid_button = self._toggle(self.tr("Grid"), self.tr("Show a grid below the object"), True)
+        self._bar.addStretch(1)
+        self.measure_button = self._toggle(
+            self.tr("Measure"), self.tr("Click points: coordinates, then distance, then angle (M)"), False
+        )
+        self.measure_button.toggled.connect(lambda _: self.clear_measurement())
+        fit = QToolButton()
+        fit.setText(self.tr("Fit"))
+        fit.setToolTip(self.tr("Show everything (F)"))
+        fit.setAutoRaise(True)
+        fit.clicked.connect(self.canvas.fit)
+        self._bar.addWidget(fit)
+
+    def _toggle(self, text: str, tip: str, on: bool) -> QToolButton:
+        button = QToolButton()
+        button.setText(text)
+        button.setToolTip(tip)
+        button.setCheckable(True)
+        button.setChecked(on)
+        button.setAutoRaise(True)
+        button.toggled.connect(lambda _: self.canvas.refresh())
+        self._bar.addWidget(button)
+        return button
+
+    # what is shown
+
+    def set_cloud(
+        self,
+        points: Array,
+        colours: Array | None = None,
+        normals: Array | None = None,
+        views: Array | None = None,
+        unit: str = "model units",
+    ) -> None:
+        """Show a cloud; the camera stays where the person put it.
+
+        Parameters
+        ----------
+        points : float64 (n, 3)
+            In `unit`.
+        colours : uint8 (n, 3) or None
+            RGB.
+        normals : float32 (n, 3) or None
+        views : uint8 (n,) or None
+            Photos in which each point was confirmed.
+        unit : str
+            ``"m"`` or ``"model units"``.
+        """
+        if unit != self.scene.unit:
+            self.canvas.touched = False
+            self.scene.up = np.array([0.0, 0.0, 1.0])
+        self.scene.unit = unit
+        self.scene.set_points(points, colours)
+        count = len(self.scene.points)
+        if (count >= DENSE_FROM) != self._dense:
+            self._dense = count >= DENSE_FROM
+            self.shading_button.setChecked(self._dense)
+        self.scene.normals = normals if normals is not None and len(normals) == count else None
+        self.scene.views = views if views is not None and len(views) == count else None
+        self.picked = -1
+        self.measure_points = []
+        self._fill_modes()
+        self._forget_prepared()
+        self._first_sight()
+        self._write()
+
+    def set_cameras(
+        self,
+        rotations: Array,
+        centres: Array,
+        cameras: Sequence[Camera],
+        names: Sequence[str],
+        thumbnails: Sequence[Array] | None = None,
+    ) -> None:
+        """Show cameras as pyramids.
+
+        Parameters
+        ----------
+        rotations : float64 (n, 3, 3)
+            ``cam_from_world``.
+        centres : float64 (n, 3)
+        cameras : sequence of n Camera
+            The camera of each photo.
+        names : sequence of n str
+        thumbnails : sequence of n uint8 (h, w, 3) or (h, w), or None
+            Shown on the base of each pyramid; made small here.
+        """
+        self.scene.set_cameras(rotations, centres, cameras, names, thumbnails)
+        self.selected_camera = -1
+        self._first_sight()
+        self._write()
+
+    def set_values(
+        self, values: Array, low: float, high: float, title: str, unit: str = "", table: str = "viridis"
+    ) -> None:
+        """Colour the present cloud by a figure per point, such as distances with ``table="diverging"``."""
+        self.scene.values = np.asarray(values)
+        self.scene.value_legend = Legend(title, unit, low, high, table)
+        self._prepared_mode = ""
+        self._fill_modes()
+        self.set_mode(VALUES)
+
+    def clear(self) -> None:
+        """Show nothing."""
+        self.scene = CloudScene()
+        self.canvas.touched = False
+        self.picked = self.selected_camera = -1
+        self.measure_points = []
+        self._fill_modes()
+        self._forget_prepared()
+        self.canvas.refresh()
+        self._write()
+
+    def set_mode(self, mode: str) -> None:
+        """Colour by ``rgb``, ``height``, ``views``, ``normals`` or ``values``."""
+        self.mode = mode if mode in self.scene.modes() else RGB
+        self.mode_box.blockSignals(True)
+        self.mode_box.setCurrentIndex(max(self.mode_box.findData(self.mode), 0))
+        self.mode_box.blockSignals(False)
+        self.canvas.refresh()
+
+    def select_camera(self, index: int) -> None:
+        """Highlight a camera; −1 for none. Emits nothing."""
+        self.selected_camera = index
+        self.canvas.refresh()
+        self._write()
+
+    def select_point(self, index: int) -> None:
+        """Mark a point; −1 for none. Emits nothing."""
+        self.picked = index
+        self.canvas.update()
+        self._write()
+
+    def _fill_modes(self) -> None:
+        names = {
+            "rgb": self.tr("Colour of the photos"),
+            "height": self.tr("Height"),
+            "views": self.tr("Number of photos"),
+            "normals": self.tr("Normals"),
+            "values": self.scene.value_legend.title if self.scene.value_legend else "",
+        }
+        self.mode_box.blockSignals(True)
+        self.mode_box.clear()
+        for mode in self.scene.modes():
+            self.mode_box.addItem(names[mode], mode)
+        self.mode = self.mode if self.mode in self.scene.modes() else RGB
+        self.mode_box.setCurrentIndex(max(self.mode_box.findData(self.mode), 0))
+        self.mode_box.blockSignals(False)
+
+    def _filled(self) -> bool:
+        return bool(len(self.scene.points) or len(self.scene.centres))
+
+    def _first_sight(self) -> None:
+        if not self.canvas.touched and self._filled():
+            camera = self.scene.first_camera()
+            self.canvas.set_camera(camera.fitted(self.scene.corners(), *self.canvas.size_px()), touched=False)
+        else:
+            self.canvas.refresh()
+
+    # drawing
+
+    def _forget_prepared(self) -> None:
+        self._prepared, self._prepared_mode = None, ""
+
+    def _prepare(self, scene: CloudScene, mode: str) -> PreparedCloud:
+        """Return the cloud to draw; runs in the worker thread, one picture at a time."""
+        cloud = self._prepared
+        if scene is not self.scene or cloud is None:
+            cloud = scene.prepare(mode)
+        elif mode != self._prepared_mode:
+            cloud = cloud.recoloured(scene.colours_in(mode))
+        if scene is self.scene:
+            self._prepared, self._prepared_mode = cloud, mode
+        return cloud
+
+    def _describe(self, canvas: CloudCanvas, moving: bool) -> Picture | None:
+        if not self._filled():
+            return None
+        scene, palette = self.scene, self.palette()
+        accent = palette.color(QPalette.ColorRole.Highlight)
+        dark = is_dark(palette)
+        lines = []
+        if self.grid_button.isChecked():
+            lines.append(scene.grid((58, 62, 68) if dark else (202, 205, 209), self.grid_step()))
+        quads = None
+        if self.cameras_button.isChecked():
+            ink = (200, 205, 210) if dark else (70, 76, 84)
+            lines += scene.pyramid_lines(
+                ink, (accent.red(), accent.green(), accent.blue()), self.selected_camera
+            )
+            quads = scene.quads() if self.photos_button.isChecked() else None
+        width, height = canvas.size_px()
+        size = self.size_slider.value()
+        return Picture(
+            prepare=partial(self._prepare, scene, self.mode),
+            camera=canvas.camera,
+            width=width,
+            height=height,
+            ratio=1.0 if moving else canvas.devicePixelRatioF(),
+            point_size=float(size),
+            world_size=0.6 * scene.spacing() * (size - 1),
+            shading=1.0 if self.shading_button.isChecked() else 0.0,
+            background=self.background(),
+            lines=lines,
+            quads=quads,
+            step=canvas.moving_step() if moving else 1,
+        )
+
+    def background(self) -> tuple[int, int, int]:
+        """Return the ground behind the cloud: a grey on which light and dark points both show."""
+        base = self.palette().color(QPalette.ColorRole.Base)
+        if is_dark(self.palette()):
+            return base.red(), base.green(), base.blue()
+        return base.red() * 90 // 100, base.green() * 91 // 100, base.blue() * 92 // 100
+
+    def grid_step(self) -> float:
+        """Return the mesh of the grid, in the unit of the cloud."""
+        return round_step(self.scene.extent() / 6.0)
+
+    # measuring
+
+    def clear_measurement(self) -> None:
+        """Forget the measured points."""
+        self.measure_points = []
+        self.measured.emit("")
+        self.canvas.update()
+        self._write()
+
+    def add_measure_point(self, index: int) -> None:
+        """Add a point to the measurement; a fourth one starts anew."""
+        if len(self.measure_points) == 3:
+            self.measure_points = []
+        self.measure_points.append(index)
+        self.measured.emit(self.measurement_text())
+        self.canvas.update()
+        self._write()
+
+    def measurement(self) -> float | None:
+        """Return the distance of two points in the cloud's unit, or the angle at the second of three, radians."""
+        points = self.scene.points[self.measure_points]
+        if len(points) == 2:
+            return float(np.linalg.norm(points[1] - points[0]))
+        if len(points) == 3:
+            a, b = points[0] - points[1], points[2] - points[1]
+            return math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
+        return None
+
+    def measurement_text(self) -> str:
+        """Return the measurement for people."""
+        value = self.measurement()
+        if value is None:
+            return "" if not self.measure_points else self.coordinates_text(self.measure_points[0])
+        if len(self.measure_points) == 2:
+            return self.tr("distance {d}").format(d=self.length_text(value))
+        return self.tr("angle at the second point {a}°").format(a=f"{math.degrees(value):.2f}")
+
+    def coordinates_text(self, index: int) -> str:
+        """Return the coordinates of a point for people."""
+        decimals = self._decimals()
+        x, y, z = (group_thousands(f"{v:.{decimals}f}") for v in self.scene.points[index])
+        return f"X {x}   Y {y}   Z {z}{THIN_SPACE}{self.scene.unit}"
+
+    def length_text(self, length: float) -> str:
+        """Return a length for people."""
+        return f"{group_thousands(f'{length:.{self._decimals()}f}')}{THIN_SPACE}{self.scene.unit}"
+
+    def _decimals(self) -> int:
+        return max(0, min(9, 4 - math.floor(math.log10(self.scene.extent()))))
+
+    # people
+
+    def _camera_under(self, x: float, y: float) -> int:
+        if not self.cameras_button.isChecked():
+            return -1
+        hit = self.canvas.pick(x, y)
+        if hit is not None and hit[0] == "quad":
+            return hit[1]
+        index, depth = self.scene.camera_at(self.canvas.shown_camera, x, y, *self.canvas.size_px())
+        return index if hit is None or depth < hit[2] else -1
+
+    def _on_click(self, x: float, y: float) -> None:
+        hit = self.canvas.pick(x, y)
+        camera = -1 if self.measure_button.isChecked() else self._camera_under(x, y)
+        if camera >= 0:
+            self.select_camera(camera)
+            self.camera_clicked.emit(camera)
+            return
+        index = hit[1] if hit is not None and hit[0] == "point" else -1
+        if self.measure_button.isChecked() and index >= 0:
+            self.add_measure_point(index)
+        self.select_point(index)
+        self.point_picked.emit(index)
+
+    def _on_double_click(self, x: float, y: float) -> None:
+        camera = self._camera_under(x, y)
+        if camera >= 0:
+            self.camera_double_clicked.emit(camera)
+        elif self.canvas.pick(x, y, 12) is not None:
+            self.canvas.set_camera(self.canvas.camera.focused(self.canvas.object_point(x, y)))
+
+    def _on_hover(self, x: float, y: float) -> None:
+        self.overlay.hovered_camera = self._camera_under(x, y) if self.scene.names else -1
+        self.canvas.setToolTip("")
+        self.canvas.update()
+
+    def look_through(self, index: int) -> None:
+        """Look from the projection centre of a camera in its direction, as far as the cloud."""
+        rotation, centre = self.scene.rotations[index], self.scene.centres[index]
+        camera = self.scene.cameras[index]
+        middle = 0.5 * (self.scene.box[0] + self.scene.box[1])
+        distance = max(float((middle - centre) @ rotation[2]), 0.1 * self.scene.extent())
+        view = 2 * math.atan(0.5 * min(camera.width, camera.height) / camera.focal_px)
+        made = type(self.canvas.camera)(
+            centre + distance * rotation[2], rotation, distance, view, -rotation[1]
+        )
+        self.canvas.set_camera(made)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """M measures, Escape clears."""
+        if event.key() == Qt.Key.Key_M:
+            self.measure_button.toggle()
+        elif event.key() == Qt.Key.Key_Escape:
+            self.select_point(-1)
+            self.clear_measurement()
+        else:
+            super().keyPressEvent(event)
+
+    def _show_menu(self, x: float, y: float) -> None:
+        actions = []
+        camera = self._camera_under(x, y)
+        if camera >= 0:
+            through = QAction(self.tr("Look through {name}").format(name=self.scene.names[camera]), self)
+            through.triggered.connect(lambda: self.look_through(camera))
+            actions.append(through)
+        export_menu(self, self.exports(), actions).exec(self.canvas.mapToGlobal(QPoint(int(x), int(y))))
+
+    def exports(self) -> dict[str, Writer]:
+        """Return writers by file ending."""
+        unit = self.scene.unit
+        header = (f"X [{unit}]", f"Y [{unit}]", f"Z [{unit}]", "red", "green", "blue")
+        return {
+            "png": lambda path: write_png(self.canvas, path),
+            "svg": lambda path: write_svg(self.canvas, path),
+            "csv": lambda path: write_csv(
+                path,
+                header,
+                ((*p, *c) for p, c in zip(self.scene.points.tolist(), self.scene.colours.tolist())),
+            ),
+        }
+
+    def _write(self) -> None:
+        if self.measure_points:
+            self._text.setText(self.measurement_text())
+        elif self.picked >= 0:
+            self._text.setText(f"#{self.picked}   {self.coordinates_text(self.picked)}")
+        elif self.measure_button.isChecked():
+            self._text.setText(self.tr("Click a point: its coordinates; a second: distance; a third: angle"))
+        elif 0 <= self.selected_camera < len(self.scene.names):
+            self._text.setText(self.scene.names[self.selected_camera])
+        else:
+            self._text.setText("")
+        parts = []
+        if len(self.scene.points):
+            parts.append(self.tr("{n} points").format(n=format_value(len(self.scene.points))))
+        if len(self.scene.centres):
+            parts.append(self.tr("{n} photos").format(n=format_value(len(self.scene.centres))))
+        self._state.setText("      ".join(parts))
