@@ -136,7 +136,7 @@ def simulate(options: argparse.Namespace) -> int:
 
     if options.template not in TEMPLATES:
         raise UserError(unknown_name(options.template, list(TEMPLATES), "template"))
-    sheet = TEMPLATES[options.template][0]
+    sheet = TEMPLATES[options.template].params
     declarations = sheet.declarations()
     values = {}
     for assignment in options.assignments:
