@@ -134,7 +134,8 @@ class QtCanvas:
         height, width = stored.shape[:2]
         form = QImage.Format.Format_Grayscale8 if stored.ndim == 2 else QImage.Format.Format_RGB888
         image = QImage(stored.data, width, height, stored.strides[0], form)
-        self._painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, box[2] < 6 * width)
+        smooth = bool(box[2] < 6 * width)
+        self._painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, smooth)
         self._painter.drawImage(QRectF(*box), image)
 
     def clip(self, box: Box) -> None:

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from PySide6.QtCore import QCoreApplication, QEvent, QPointF, QSize, Qt, Signal
+from PySide6.QtCore import QCoreApplication, QPointF, QSize, Qt, Signal
 from PySide6.QtGui import (
     QFont,
-    QHelpEvent,
     QImage,
     QKeyEvent,
     QMouseEvent,
@@ -16,7 +15,7 @@ from PySide6.QtGui import (
     QPaintEvent,
     QWheelEvent,
 )
-from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
+from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from graphos_didactic.scene import Handle, Line, Mark, Points, Polygon, Scene
 from graphos_didactic.scene_drawing import Look, draw, for_print, frames
@@ -114,8 +113,10 @@ class SceneView(QWidget):
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw the scene."""
         painter = QPainter(self)
-        self._draw(painter, self.width(), self.height(), self._look)
-        painter.end()
+        try:
+            self._draw(painter, self.width(), self.height(), self._look)
+        finally:  # a painter left active takes the whole window down
+            painter.end()
 
     def _draw(self, painter: QPainter, width: int, height: int, look: Look) -> None:
         canvas = QtCanvas(painter, QFont(self.font()))
@@ -149,6 +150,7 @@ class SceneView(QWidget):
         if self._held is None:
             over = handle_at(self._scene, where, at.x(), at.y(), self._look)
             self.setCursor(Qt.CursorShape.OpenHandCursor if over else Qt.CursorShape.ArrowCursor)
+            self.setToolTip(self._tip(where, at, over))
             return
         handle, (dx, dy) = self._held
         x, y = where[handle.panel].to_panel(at.x(), at.y())
@@ -165,16 +167,9 @@ class SceneView(QWidget):
         """Leave the wheel to the page."""
         event.ignore()
 
-    def event(self, event: QEvent) -> bool:
-        """Use Tab for the handles, as long as there is a next one; answer with a tooltip over a thing."""
-        if event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent):
-            forward = event.key() == Qt.Key.Key_Tab
-            if (forward or event.key() == Qt.Key.Key_Backtab) and self._next_handle(1 if forward else -1):
-                return True
-        if event.type() == QEvent.Type.ToolTip and isinstance(event, QHelpEvent):
-            self._tip(event)
-            return True
-        return super().event(event)
+    def focusNextPrevChild(self, forward: bool) -> bool:
+        """Use Tab for the handles as long as there is a next one, then for the page."""
+        return self._next_handle(1 if forward else -1) or super().focusNextPrevChild(forward)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Move the active handle by arrows."""
@@ -226,16 +221,13 @@ class SceneView(QWidget):
                 around = mark.thing
         return best[1] or around
 
-    def _tip(self, event: QHelpEvent) -> None:
-        if self._scene is None:
-            return
-        where, at = self._frames(), QPointF(event.pos())
-        handle = handle_at(self._scene, where, at.x(), at.y(), self._look)
+    def _tip(self, where: dict[str, Frame], at: QPointF, handle: Handle | None) -> str:
+        """Return what is under a position, in words."""
         thing = handle.thing if handle else self._thing_at(where, at)
-        words = self._scene.things.get(thing, "")
+        words = self._scene.things.get(thing, "") if self._scene else ""
         if handle is not None:
-            words = f"{handle.label}: {words}. " + tr("Drag, or use the arrow keys.")
-        QToolTip.showText(event.globalPos(), words, self)
+            return f"{handle.label}: {words}. " + tr("Drag, or use the arrow keys.")
+        return words
 
 
 def _distance(mark: Mark, frame: Frame, x: float, y: float) -> float:

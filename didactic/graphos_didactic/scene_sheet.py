@@ -1,0 +1,91 @@
+"""A sheet: a column of read-outs, formulas and sentences."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from graphos_didactic.formula_outline import SIZE, formula_outline
+from graphos_didactic.scene import Formula, Mark, Number, Sentence
+from graphos_didactic.scene_layout import Frame
+
+if TYPE_CHECKING:
+    from graphos_didactic.scene_drawing import Canvas, Look
+
+THIN = "\u2009"
+
+
+def number_text(mark: Number) -> str:
+    """Return value, standard deviation and unit of a read-out: ``12.3 ± 0.4 mm``."""
+    if not math.isfinite(mark.value):
+        return "not determined"
+    text = f"{mark.value:,.{mark.digits}f}"
+    if mark.sigma is not None:
+        text += f" ± {mark.sigma:,.{mark.digits}f}" if math.isfinite(mark.sigma) else " ± ∞"
+    text = text.replace(",", THIN).replace("-", "−")
+    return f"{text} {mark.unit}" if mark.unit else text
+
+
+def draw_sheet(marks: Sequence[Mark], frame: Frame, canvas: Canvas, look: Look) -> None:
+    """Draw the read-outs, formulas and sentences of a sheet from top to bottom."""
+    left, top, width, height = frame.plot
+    canvas.clip(frame.outer)
+    y = top + 0.2 * look.font
+    for mark in marks:
+        before = y
+        if isinstance(mark, Number):
+            y = _draw_number(mark, left, y, width, canvas, look)
+        elif isinstance(mark, Formula):
+            y = _draw_formula(mark, left, y, width, canvas, look)
+        elif isinstance(mark, Sentence):
+            y = _draw_sentence(mark, left, y, width, canvas, look)
+        if mark.thing and mark.thing == look.chosen:
+            bar = np.array([[left - 0.5 * look.font, before], [left - 0.5 * look.font, y - 2]])
+            canvas.polyline(bar, look.colours["selected"], 4 * look.unit, ())
+        if y > top + height:
+            break
+    canvas.unclip()
+
+
+def _draw_number(mark: Number, left: float, y: float, width: float, canvas: Canvas, look: Look) -> float:
+    base = y + 1.15 * look.font
+    colour = look.colours[mark.role]
+    canvas.text((left, base), mark.label, 0.92 * look.font, look.colours["text"])
+    canvas.text((left + width, base), number_text(mark), look.font, colour, "right", bold=True)
+    return y + 1.65 * look.font
+
+
+def _draw_formula(mark: Formula, left: float, y: float, width: float, canvas: Canvas, look: Look) -> float:
+    outline = formula_outline(mark.tex)
+    scale = 1.08 * look.font / SIZE
+    if outline.width * scale > width:
+        scale = width / outline.width
+    base = y + 0.3 * look.font + outline.ascent * scale
+    canvas.outline(outline, (left, base), scale, look.colours[mark.role])
+    return base + outline.descent * scale + 0.6 * look.font
+
+
+def _draw_sentence(mark: Sentence, left: float, y: float, width: float, canvas: Canvas, look: Look) -> float:
+    size = look.font if mark.heading else 0.92 * look.font
+    y += 0.35 * look.font if mark.heading else 0.0
+    for line in wrap(mark.text, width, size, canvas, bold=mark.heading):
+        y += 1.4 * size
+        canvas.text((left, y - 0.25 * size), line, size, look.colours[mark.role], bold=mark.heading)
+    return y + 0.3 * look.font
+
+
+def wrap(text: str, width: float, size: float, canvas: Canvas, *, bold: bool = False) -> list[str]:
+    """Break `text` into lines of at most `width` px."""
+    lines: list[str] = []
+    line = ""
+    for word in text.split():
+        longer = f"{line} {word}" if line else word
+        if line and canvas.text_width(longer, size, bold) > width:
+            lines.append(line)
+            line = word
+        else:
+            line = longer
+    return [*lines, line] if line else lines
