@@ -260,10 +260,10 @@ def _look(path: Path, content: bytes, image: Image.Image) -> _Found | ItemFailur
     if image.format in ("JPEG", "MPO"):
         image.draft(image.mode, (max(1, width // 8), max(1, height // 8)))  # reads all data, computes little
         image.load()
-    elif _decode(np.frombuffer(content, dtype=np.uint8)) is None:
-        return fail(Text("It is damaged, incomplete, or packed in a way that is not supported."))
     else:
         image.load()
+        if _decode(np.frombuffer(content, dtype=np.uint8)) is None:
+            return fail(Text("It is packed in a way that is not supported; save it again without options."))
     if exif.orientation >= 5:
         width, height = height, width
     digest = hashlib.sha256(content).hexdigest()

@@ -105,19 +105,19 @@ def row_statistics(
 ) -> None:
     """Write mean and variance of the windows of one row from its column sums; the sums are exact integers."""
     width = len(sums)
-    side = len(columns) - width
-    total = np.int64(0)
-    total_square = np.int64(0)
-    for k in range(side):
-        total += sums[columns[k]]
-        total_square += squares[columns[k]]
+    length = len(columns)
+    side = length - width
+    running = np.zeros(length + 1, np.int64)
+    running_square = np.zeros(length + 1, np.int64)
+    for k in range(length):
+        running[k + 1] = running[k] + sums[columns[k]]
+        running_square[k + 1] = running_square[k] + squares[columns[k]]
     share = 1.0 / (side * side)
+    upper, upper_square = running[side:], running_square[side:]
     for j in range(width):
-        average = total * share
+        average = (upper[j] - running[j]) * share
         mean[j] = (average - low) * scale
-        variance[j] = (total_square * share - average * average) * (scale * scale)
-        total += sums[columns[j + side]] - sums[columns[j]]
-        total_square += squares[columns[j + side]] - squares[columns[j]]
+        variance[j] = ((upper_square[j] - running_square[j]) * share - average * average) * (scale * scale)
 
 
 @njit(cache=True, nogil=True)
