@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
-from functools import cache
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
-from PySide6.QtCore import QObject, QPointF, Qt, QTimer, Signal
+from PySide6.QtCore import QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import (
     QImage,
     QKeyEvent,
@@ -26,49 +23,13 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from graphos_core.data.record import Array
 from graphos_core.rendering.camera import ViewCamera
+from graphos_py.views.background import Background
+from graphos_py.views.cloud_picture import Picture, Shown, draw
 from graphos_py.views.painting import paint_empty_state
-
-if TYPE_CHECKING:
-    from graphos_core.rendering import Frame, Lines, PreparedCloud, Quads
 
 DRAG_STARTS = 4.0
 REST_MS = 160
 MOVING_BUDGET_S = 0.04
-RENDER_THREADS = 2
-
-
-@dataclass(frozen=True)
-class Picture:
-    """Everything one picture depends on."""
-
-    prepare: Callable[[], PreparedCloud]
-    camera: ViewCamera
-    width: int
-    height: int
-    ratio: float
-    point_size: float
-    world_size: float
-    shading: float
-    background: tuple[int, int, int]
-    lines: list[Lines] = field(default_factory=list)
-    quads: Quads | None = None
-    step: int = 1
-    serial: int = 0
-
-
-@dataclass(frozen=True)
-class Shown:
-    """A finished picture."""
-
-    frame: Frame
-    picture: Picture
-    seconds: float
-
-
-class _Mailbox(QObject):
-    """Brings pictures from the worker thread to the window's thread."""
-
-    arrived = Signal(object)
 
 
 class CloudCanvas(QWidget):
@@ -116,8 +77,7 @@ class CloudCanvas(QWidget):
         self._pressed = self._last = QPointF()
         self._dragging = False
         self._pan_depth: float | None = None
-        self._mailbox = _Mailbox(self)
-        self._mailbox.arrived.connect(self._on_picture)
+        self._background = Background(self)
         self._rest = QTimer(self)
         self._rest.setSingleShot(True)
         self._rest.timeout.connect(self._on_rest)
@@ -142,26 +102,13 @@ class CloudCanvas(QWidget):
         if self._image is None:
             self.update()
         self._busy = True
-        mailbox = self._mailbox
-
-        def work() -> None:
-            result: object
-            try:
-                result = _draw(picture)
-            except Exception as problem:  # said in the view; the window lives on
-                result = problem
-            try:
-                mailbox.arrived.emit(result)
-            except RuntimeError:  # the view was closed meanwhile
-                pass
-
-        _worker().submit(work)
+        self._background.run(partial(draw, picture), self._on_picture)
 
     def draw_now(self) -> None:
         """Draw at once in this thread, for screenshots and exports; may take seconds the first time."""
         picture = self._next(False)
         if picture is not None:
-            self._show(_draw(picture))
+            self._show(draw(picture))
 
     def _next(self, moving: bool) -> Picture | None:
         picture = self._describe(self, moving)
@@ -348,22 +295,3 @@ class CloudCanvas(QWidget):
                 self.set_camera(camera.orbited(math.radians(8) * right, math.radians(8) * down))
         else:
             super().keyPressEvent(event)
-
-
-def _draw(picture: Picture) -> Shown:
-    from graphos_core.rendering import render_frame
-
-    cloud = picture.prepare()
-    began = time.perf_counter()
-    width, height = round(picture.width * picture.ratio), round(picture.height * picture.ratio)
-    frame = render_frame(
-        cloud, picture.camera, width, height, picture.point_size * picture.ratio, world_size=picture.world_size,
-        lines=picture.lines, quads=picture.quads, background=picture.background, shading=picture.shading,
-        step=picture.step, threads=RENDER_THREADS,
-    )  # fmt: skip
-    return Shown(frame, picture, time.perf_counter() - began)
-
-
-@cache
-def _worker() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(1, thread_name_prefix="cloud view")

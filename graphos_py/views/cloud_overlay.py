@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -38,7 +39,7 @@ class CloudOverlay:
         legend = view.scene.legend(view.mode)
         if legend is not None:
             area = QRectF(view.canvas.rect())
-            title = legend.title if legend is view.scene.value_legend else view.mode_box.currentText()
+            title = legend.title if legend is view.scene.value_legend else view.bar.modes.currentText()
             paint_legend(
                 painter, area, view.palette(), legend.low, legend.high, title, legend.unit, legend.table
             )
@@ -54,7 +55,7 @@ class CloudOverlay:
 
     def _paint_measurement(self, painter: QPainter) -> None:
         view = self.view
-        indices = view.measure_points or ([view.picked] if view.picked >= 0 else [])
+        indices = view.measurement.points or ([view.picked] if view.picked >= 0 else [])
         if not indices or max(indices) >= len(view.scene.points):
             return
         accent = view.palette().color(QPalette.ColorRole.Highlight)
@@ -64,23 +65,23 @@ class CloudOverlay:
         for colour, width in ((QColor(255, 255, 255), 5.0), (accent, 2.5)):
             painter.setPen(QPen(colour, width))
             painter.setBrush(Qt.BrushStyle.NoBrush)
-            for a, b in zip(placed, placed[1:]):
+            for a, b in pairwise(placed):
                 painter.drawLine(a, b)
             for p in placed:
                 painter.drawEllipse(p, 6, 6)
-        if not view.measure_points:
+        if not view.measurement.points:
             return
         for number, p in enumerate(placed, 1):
             self._text(painter, p + QPointF(9, -24), str(number))
         if len(placed) == 2:
-            self._text(painter, 0.5 * (placed[0] + placed[1]) + QPointF(8, 8), view.measurement_text())
+            self._text(painter, (placed[0] + placed[1]) / 2 + QPointF(8, 8), view.measurement.text())
         elif len(placed) == 3:
-            self._text(painter, placed[1] + QPointF(12, 8), view.measurement_text())
+            self._text(painter, placed[1] + QPointF(12, 8), view.measurement.text())
 
     def _paint_camera_name(self, painter: QPainter) -> None:
         scene = self.view.scene
         for index in {self.hovered_camera, self.view.selected_camera}:
-            if 0 <= index < len(scene.names) and self.view.cameras_button.isChecked():
+            if 0 <= index < len(scene.names) and self.view.bar.cameras.isChecked():
                 x, y, depth = self._place(scene.centres[index : index + 1])[0]
                 if depth > 0 and np.isfinite(x):
                     self._text(painter, QPointF(float(x) + 10, float(y) - 30), scene.names[index])
@@ -91,11 +92,12 @@ class CloudOverlay:
         origin = QPointF(AXIS_PX + 20, self.view.canvas.height() - AXIS_PX - 20)
         for axis in np.argsort(-rotation[2]).tolist():
             direction = rotation[:, axis]
-            tip = origin + AXIS_PX * QPointF(float(direction[0]), float(direction[1]))
+            tip = origin + QPointF(AXIS_PX * float(direction[0]), AXIS_PX * float(direction[1]))
             colour = QColor(*AXIS_COLOURS[axis].tolist())
             painter.setPen(QPen(colour, 2.5, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
             painter.drawLine(origin, tip)
-            label = origin + (AXIS_PX + 9) * QPointF(float(direction[0]), float(direction[1]))
+            reach = AXIS_PX + 9
+            label = origin + QPointF(reach * float(direction[0]), reach * float(direction[1]))
             painter.setPen(self.view.palette().color(QPalette.ColorRole.Text))
             painter.drawText(
                 QRectF(label.x() - 8, label.y() - 9, 16, 18), Qt.AlignmentFlag.AlignCenter, "XYZ"[axis]

@@ -119,12 +119,10 @@ class CloudScene:
         """Return RGB uint8 (n, 3) of every point in a colour mode."""
         legend = self.legend(mode)
         if legend is not None:
-            source = {
-                HEIGHT: lambda: self.points @ self.up,
-                VIEWS: lambda: self.views,
-                VALUES: lambda: self.values,
-            }
-            return colours_of_values(np.asarray(source[mode]()), legend.low, legend.high, legend.table)
+            figures = (
+                self.points @ self.up if mode == HEIGHT else self.views if mode == VIEWS else self.values
+            )
+            return colours_of_values(np.asarray(figures), legend.low, legend.high, legend.table)
         if mode == NORMALS and self.normals is not None and len(self.normals):
             return np.clip(127.5 + 127.5 * self.normals, 0, 255).astype(np.uint8)
         return self.colours

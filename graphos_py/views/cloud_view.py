@@ -9,16 +9,19 @@ from functools import partial
 import numpy as np
 from PySide6.QtCore import QPoint, Qt, Signal
 from PySide6.QtGui import QAction, QKeyEvent, QPalette
-from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QSlider, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from graphos_core.data.cameras import Camera
 from graphos_core.data.record import Array
-from graphos_core.number_format import THIN_SPACE, format_value, group_thousands
+from graphos_core.number_format import format_value
 from graphos_core.rendering import PreparedCloud
-from graphos_py.views.cloud_canvas import CloudCanvas, Picture
+from graphos_py.views.cloud_bar import CloudBar
+from graphos_py.views.cloud_canvas import CloudCanvas
 from graphos_py.views.cloud_overlay import CloudOverlay
+from graphos_py.views.cloud_picture import Picture
 from graphos_py.views.cloud_scene import RGB, VALUES, CloudScene, Legend
 from graphos_py.views.export import Writer, export_menu, write_csv, write_png, write_svg
+from graphos_py.views.measurement import Measurement, coordinates_text
 from graphos_py.views.painting import is_dark, round_step
 
 DENSE_FROM = 60_000
@@ -50,7 +53,7 @@ class CloudView(QWidget):
         self.mode = RGB
         self.picked = -1
         self.selected_camera = -1
-        self.measure_points: list[int] = []
+        self.measurement = Measurement(self.scene)
         self._prepared: PreparedCloud | None = None
         self._prepared_mode = ""
         self._dense = False
@@ -62,7 +65,12 @@ class CloudView(QWidget):
         )
         self.overlay = CloudOverlay(self)
         self.canvas.layers = [self.overlay.paint]
-        self._build_bar()
+        self.bar = CloudBar(self)
+        self.bar.changed.connect(self.canvas.refresh)
+        self.bar.mode_chosen.connect(self.set_mode)
+        self.bar.fit_wanted.connect(self.canvas.fit)
+        self.bar.measure.toggled.connect(self.clear_measurement)
+        self.bar.offer_modes(self.scene, self.mode)
         self._text, self._state = QLabel(), QLabel()
         footer = QHBoxLayout()
         footer.setContentsMargins(8, 2, 8, 2)
@@ -71,7 +79,7 @@ class CloudView(QWidget):
         box = QVBoxLayout(self)
         box.setContentsMargins(0, 0, 0, 0)
         box.setSpacing(0)
-        box.addLayout(self._bar)
+        box.addWidget(self.bar)
         box.addWidget(self.canvas, 1)
         box.addLayout(footer)
         self.setFocusProxy(self.canvas)
@@ -80,58 +88,6 @@ class CloudView(QWidget):
         self.canvas.hovered.connect(self._on_hover)
         self.canvas.menu_wanted.connect(self._show_menu)
         self._write()
-
-    def _build_bar(self) -> None:
-        self._bar = QHBoxLayout()
-        self._bar.setContentsMargins(8, 4, 8, 4)
-        self._bar.setSpacing(8)
-        self.mode_box = QComboBox()
-        self.mode_box.setToolTip(self.tr("What the colour of a point says"))
-        self._fill_modes()
-        self.mode_box.currentIndexChanged.connect(lambda _: self.set_mode(str(self.mode_box.currentData())))
-        self._bar.addWidget(self.mode_box)
-        size = QLabel(self.tr("Point size"))
-        self.size_slider = QSlider(Qt.Orientation.Horizontal)
-        self.size_slider.setRange(1, 10)
-        self.size_slider.setValue(2)
-        self.size_slider.setFixedWidth(96)
-        self.size_slider.setToolTip(
-            self.tr("Side of a point, px; points close to you grow to close the surface")
-        )
-        self.size_slider.valueChanged.connect(lambda _: self.canvas.refresh())
-        size.setBuddy(self.size_slider)
-        self._bar.addWidget(size)
-        self._bar.addWidget(self.size_slider)
-        self.shading_button = self._toggle(self.tr("Shading"), self.tr("Darken edges in depth"), False)
-        self.cameras_button = self._toggle(
-            self.tr("Cameras"), self.tr("Show where the photos were taken"), True
-        )
-        self.photos_button = self._toggle(
-            self.tr("Photos"), self.tr("Show the photos at their cameras"), True
-        )
-        self.grid_button = self._toggle(self.tr("Grid"), self.tr("Show a grid below the object"), True)
-        self._bar.addStretch(1)
-        self.measure_button = self._toggle(
-            self.tr("Measure"), self.tr("Click points: coordinates, then distance, then angle (M)"), False
-        )
-        self.measure_button.toggled.connect(lambda _: self.clear_measurement())
-        fit = QToolButton()
-        fit.setText(self.tr("Fit"))
-        fit.setToolTip(self.tr("Show everything (F)"))
-        fit.setAutoRaise(True)
-        fit.clicked.connect(self.canvas.fit)
-        self._bar.addWidget(fit)
-
-    def _toggle(self, text: str, tip: str, on: bool) -> QToolButton:
-        button = QToolButton()
-        button.setText(text)
-        button.setToolTip(tip)
-        button.setCheckable(True)
-        button.setChecked(on)
-        button.setAutoRaise(True)
-        button.toggled.connect(lambda _: self.canvas.refresh())
-        self._bar.addWidget(button)
-        return button
 
     # what is shown
 
@@ -165,12 +121,12 @@ class CloudView(QWidget):
         count = len(self.scene.points)
         if (count >= DENSE_FROM) != self._dense:
             self._dense = count >= DENSE_FROM
-            self.shading_button.setChecked(self._dense)
+            self.bar.shading.setChecked(self._dense)
         self.scene.normals = normals if normals is not None and len(normals) == count else None
         self.scene.views = views if views is not None and len(views) == count else None
         self.picked = -1
-        self.measure_points = []
-        self._fill_modes()
+        self.measurement.points = []
+        self.mode = self.bar.offer_modes(self.scene, self.mode)
         self._forget_prepared()
         self._first_sight()
         self._write()
@@ -197,6 +153,7 @@ class CloudView(QWidget):
             Shown on the base of each pyramid; made small here.
         """
         self.scene.set_cameras(rotations, centres, cameras, names, thumbnails)
+        self.bar.offer_modes(self.scene, self.mode)
         self.selected_camera = -1
         self._first_sight()
         self._write()
@@ -208,26 +165,24 @@ class CloudView(QWidget):
         self.scene.values = np.asarray(values)
         self.scene.value_legend = Legend(title, unit, low, high, table)
         self._prepared_mode = ""
-        self._fill_modes()
+        self.mode = self.bar.offer_modes(self.scene, self.mode)
         self.set_mode(VALUES)
 
     def clear(self) -> None:
         """Show nothing."""
         self.scene = CloudScene()
+        self.measurement = Measurement(self.scene)
         self.canvas.touched = False
         self.picked = self.selected_camera = -1
-        self.measure_points = []
-        self._fill_modes()
+        self.measurement.points = []
+        self.mode = self.bar.offer_modes(self.scene, self.mode)
         self._forget_prepared()
         self.canvas.refresh()
         self._write()
 
     def set_mode(self, mode: str) -> None:
         """Colour by ``rgb``, ``height``, ``views``, ``normals`` or ``values``."""
-        self.mode = mode if mode in self.scene.modes() else RGB
-        self.mode_box.blockSignals(True)
-        self.mode_box.setCurrentIndex(max(self.mode_box.findData(self.mode), 0))
-        self.mode_box.blockSignals(False)
+        self.mode = self.bar.offer_modes(self.scene, mode)
         self.canvas.refresh()
 
     def select_camera(self, index: int) -> None:
@@ -241,22 +196,6 @@ class CloudView(QWidget):
         self.picked = index
         self.canvas.update()
         self._write()
-
-    def _fill_modes(self) -> None:
-        names = {
-            "rgb": self.tr("Colour of the photos"),
-            "height": self.tr("Height"),
-            "views": self.tr("Number of photos"),
-            "normals": self.tr("Normals"),
-            "values": self.scene.value_legend.title if self.scene.value_legend else "",
-        }
-        self.mode_box.blockSignals(True)
-        self.mode_box.clear()
-        for mode in self.scene.modes():
-            self.mode_box.addItem(names[mode], mode)
-        self.mode = self.mode if self.mode in self.scene.modes() else RGB
-        self.mode_box.setCurrentIndex(max(self.mode_box.findData(self.mode), 0))
-        self.mode_box.blockSignals(False)
 
     def _filled(self) -> bool:
         return bool(len(self.scene.points) or len(self.scene.centres))
@@ -291,17 +230,17 @@ class CloudView(QWidget):
         accent = palette.color(QPalette.ColorRole.Highlight)
         dark = is_dark(palette)
         lines = []
-        if self.grid_button.isChecked():
+        if self.bar.grid.isChecked():
             lines.append(scene.grid((58, 62, 68) if dark else (202, 205, 209), self.grid_step()))
         quads = None
-        if self.cameras_button.isChecked():
+        if self.bar.cameras.isChecked():
             ink = (200, 205, 210) if dark else (70, 76, 84)
             lines += scene.pyramid_lines(
                 ink, (accent.red(), accent.green(), accent.blue()), self.selected_camera
             )
-            quads = scene.quads() if self.photos_button.isChecked() else None
+            quads = scene.quads() if self.bar.photos.isChecked() else None
         width, height = canvas.size_px()
-        size = self.size_slider.value()
+        size = self.bar.size_slider.value()
         return Picture(
             prepare=partial(self._prepare, scene, self.mode),
             camera=canvas.camera,
@@ -310,7 +249,7 @@ class CloudView(QWidget):
             ratio=1.0 if moving else canvas.devicePixelRatioF(),
             point_size=float(size),
             world_size=0.6 * scene.spacing() * (size - 1),
-            shading=1.0 if self.shading_button.isChecked() else 0.0,
+            shading=1.0 if self.bar.shading.isChecked() else 0.0,
             background=self.background(),
             lines=lines,
             quads=quads,
@@ -332,56 +271,23 @@ class CloudView(QWidget):
 
     def clear_measurement(self) -> None:
         """Forget the measured points."""
-        self.measure_points = []
-        self.measured.emit("")
-        self.canvas.update()
-        self._write()
+        self.measurement.points = []
+        self._tell_measurement()
 
     def add_measure_point(self, index: int) -> None:
         """Add a point to the measurement; a fourth one starts anew."""
-        if len(self.measure_points) == 3:
-            self.measure_points = []
-        self.measure_points.append(index)
-        self.measured.emit(self.measurement_text())
+        self.measurement.add(index)
+        self._tell_measurement()
+
+    def _tell_measurement(self) -> None:
+        self.measured.emit(self.measurement.text())
         self.canvas.update()
         self._write()
-
-    def measurement(self) -> float | None:
-        """Return the distance of two points in the cloud's unit, or the angle at the second of three, radians."""
-        points = self.scene.points[self.measure_points]
-        if len(points) == 2:
-            return float(np.linalg.norm(points[1] - points[0]))
-        if len(points) == 3:
-            a, b = points[0] - points[1], points[2] - points[1]
-            return math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
-        return None
-
-    def measurement_text(self) -> str:
-        """Return the measurement for people."""
-        value = self.measurement()
-        if value is None:
-            return "" if not self.measure_points else self.coordinates_text(self.measure_points[0])
-        if len(self.measure_points) == 2:
-            return self.tr("distance {d}").format(d=self.length_text(value))
-        return self.tr("angle at the second point {a}°").format(a=f"{math.degrees(value):.2f}")
-
-    def coordinates_text(self, index: int) -> str:
-        """Return the coordinates of a point for people."""
-        decimals = self._decimals()
-        x, y, z = (group_thousands(f"{v:.{decimals}f}") for v in self.scene.points[index])
-        return f"X {x}   Y {y}   Z {z}{THIN_SPACE}{self.scene.unit}"
-
-    def length_text(self, length: float) -> str:
-        """Return a length for people."""
-        return f"{group_thousands(f'{length:.{self._decimals()}f}')}{THIN_SPACE}{self.scene.unit}"
-
-    def _decimals(self) -> int:
-        return max(0, min(9, 4 - math.floor(math.log10(self.scene.extent()))))
 
     # people
 
     def _camera_under(self, x: float, y: float) -> int:
-        if not self.cameras_button.isChecked():
+        if not self.bar.cameras.isChecked():
             return -1
         hit = self.canvas.pick(x, y)
         if hit is not None and hit[0] == "quad":
@@ -391,13 +297,13 @@ class CloudView(QWidget):
 
     def _on_click(self, x: float, y: float) -> None:
         hit = self.canvas.pick(x, y)
-        camera = -1 if self.measure_button.isChecked() else self._camera_under(x, y)
+        camera = -1 if self.bar.measure.isChecked() else self._camera_under(x, y)
         if camera >= 0:
             self.select_camera(camera)
             self.camera_clicked.emit(camera)
             return
         index = hit[1] if hit is not None and hit[0] == "point" else -1
-        if self.measure_button.isChecked() and index >= 0:
+        if self.bar.measure.isChecked() and index >= 0:
             self.add_measure_point(index)
         self.select_point(index)
         self.point_picked.emit(index)
@@ -429,7 +335,7 @@ class CloudView(QWidget):
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """M measures, Escape clears."""
         if event.key() == Qt.Key.Key_M:
-            self.measure_button.toggle()
+            self.bar.measure.toggle()
         elif event.key() == Qt.Key.Key_Escape:
             self.select_point(-1)
             self.clear_measurement()
@@ -460,11 +366,11 @@ class CloudView(QWidget):
         }
 
     def _write(self) -> None:
-        if self.measure_points:
-            self._text.setText(self.measurement_text())
+        if self.measurement.points:
+            self._text.setText(self.measurement.text())
         elif self.picked >= 0:
-            self._text.setText(f"#{self.picked}   {self.coordinates_text(self.picked)}")
-        elif self.measure_button.isChecked():
+            self._text.setText(f"#{self.picked}   {coordinates_text(self.scene, self.picked)}")
+        elif self.bar.measure.isChecked():
             self._text.setText(self.tr("Click a point: its coordinates; a second: distance; a third: angle"))
         elif 0 <= self.selected_camera < len(self.scene.names):
             self._text.setText(self.scene.names[self.selected_camera])

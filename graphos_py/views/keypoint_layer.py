@@ -138,7 +138,7 @@ def _tinted(mask: Array) -> QImage:
     alpha = np.maximum(mask, (halo * HALO_SHARE).astype(np.uint8))
     picture = np.empty((*mask.shape, 4), np.uint8)
     for channel, value in enumerate(INK[::-1]):
-        picture[:, :, channel] = cv2.multiply(mask, value / 255.0)
+        picture[:, :, channel] = (mask.astype(np.uint16) * value // 255).astype(np.uint8)
     picture[:, :, 3] = alpha
     height, width = mask.shape
     return QImage(picture.data, width, height, 4 * width, QImage.Format.Format_ARGB32_Premultiplied).copy()

@@ -10,17 +10,20 @@ from PySide6.QtCore import QLineF, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QContextMenuEvent, QImage, QKeyEvent, QPainter, QPaintEvent, QPalette, QPen
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
+from graphos_core.data.cameras import Camera
 from graphos_core.data.matches import PairMatches
 from graphos_core.data.record import Array
 from graphos_core.number_format import THIN_SPACE, format_value
 from graphos_core.rendering.colour_maps import colours_of_values
+from graphos_py.views.background import Background
 from graphos_py.views.colour_legend import paint_legend
 from graphos_py.views.export import Writer, export_menu, write_csv, write_png, write_svg
 from graphos_py.views.painting import plate
+from graphos_py.views.pair_geometry import PairGeometry
 from graphos_py.views.pixel_canvas import PixelCanvas
 
 EpipolarCurve = Callable[[int, float, float], Array]
-"""(0 or 1: the photo of the point, x, y in px) to points (n, 2) of the epipolar curve in the other photo, px."""
+"""(0 or 1: the photo of the point, x, y in px) to points (n, 2) of the curve in the other photo, px."""
 
 GAP = 6
 LINES_AT_MOST = 250
@@ -50,7 +53,9 @@ class MatchView(QWidget):
         self.residuals: Array | None = None
         self._colours: list[QColor] = []
         self._pair: PairMatches | None = None
+        self._geometry: PairGeometry | None = None
         self._curve: EpipolarCurve | None = None
+        self._background = Background(self)
         self._names = ("", "")
         self._cursor: tuple[int, float, float] | None = None
         self._linking = False
@@ -91,6 +96,7 @@ class MatchView(QWidget):
         pair: PairMatches | None = None,
         names: tuple[str, str] = ("", ""),
         epipolar_curve: EpipolarCurve | None = None,
+        cameras: tuple[Camera, Camera] | None = None,
     ) -> None:
         """Show a pair and its verified matches.
 
@@ -100,22 +106,35 @@ class MatchView(QWidget):
         xy_a, xy_b : float (n, 2)
             Positions of the matches in both photos, row by row, px: ``features.xy[pair.matches[:, 0]]`` and so on.
         pair : PairMatches or None
-            For the numbers and, with a fundamental matrix, the epipolar line.
+            For the numbers, the distances and the epipolar line.
         names : (str, str)
             Names of the photos.
         epipolar_curve : callable or None
-            Needed for an essential matrix, where the line depends on the cameras.
+            Draws the epipolar curve in place of the one from `pair`.
+        cameras : (Camera, Camera) or None
+            Of the two photos; needed for the lines and distances of an essential matrix.
         """
         self.xy = (np.asarray(xy_a, np.float64).reshape(-1, 2), np.asarray(xy_b, np.float64).reshape(-1, 2))
         self._pair = pair
         self._names = names
-        self._curve = epipolar_curve
-        if epipolar_curve is None and pair is not None and pair.kind == "fundamental":
-            self._curve = fundamental_curve(np.asarray(pair.matrix), self._size)
         self.selected = self.hovered = -1
         self._cursor = None
         for canvas, image in zip(self.canvases, (image_a, image_b)):
             canvas.set_array(image)
+        self._curve = epipolar_curve
+        self._geometry = PairGeometry.of_pair(pair, (self._size(0), self._size(1)), cameras)
+        self._take_residuals(None)
+        if self._geometry is not None and len(self.xy[0]):
+            geometry, xy = self._geometry, self.xy
+
+            def take(result: object) -> None:
+                if self._geometry is geometry and isinstance(result, np.ndarray):
+                    self._take_residuals(result)
+
+            self._background.run(lambda: geometry.distances(*xy), take)
+
+    def _take_residuals(self, residuals: Array | None) -> None:
+        self.residuals = residuals
         self._colour_matches()
         self._write()
         self._over.update()
@@ -125,8 +144,8 @@ class MatchView(QWidget):
         self.selected = index
         if focus and index >= 0:
             self._linking = True
-            for canvas, xy in zip(self.canvases, self.xy):
-                canvas.focus_on(*xy[index], max(canvas.zoom, 2.0))
+            for canvas, (x, y) in zip(self.canvases, (self.xy[0][index], self.xy[1][index])):
+                canvas.focus_on(float(x), float(y), max(canvas.zoom, 2.0))
             self._linking = False
         self._write()
         self._over.update()
@@ -135,10 +154,7 @@ class MatchView(QWidget):
         return self.canvases[side].image_size
 
     def _colour_matches(self) -> None:
-        self.residuals = None
-        pair = self._pair
-        if pair is not None and pair.kind == "fundamental" and len(self.xy[0]):
-            self.residuals = epipolar_distances(np.asarray(pair.matrix), *self.xy)
+        if self.residuals is not None:
             values, high = self.residuals, self.legend_range()
         else:  # without a distance, colour tells neighbours apart: position from left to right
             values, high = self.xy[0][:, 0], max(self._size(0)[0], 1)
@@ -251,7 +267,7 @@ class MatchView(QWidget):
     def screen_positions(self, side: int) -> Array:
         """Return the matches of photo `side` (n, 2) in px of the picture area."""
         corner = self.canvases[side].pos()
-        return self.canvases[side].to_screen(self.xy[side]) + [corner.x(), corner.y()]
+        return self.canvases[side].to_screen(self.xy[side]) + np.array([corner.x(), corner.y()])
 
     def paint_over(self, painter: QPainter) -> None:
         """Paint matches, the highlighted one, the epipolar curve, names and legend."""
@@ -336,15 +352,18 @@ class MatchView(QWidget):
             painter.drawEllipse(b, 7, 7)
 
     def _paint_curve(self, painter: QPainter) -> None:
-        if self._cursor is None or self._curve is None:
+        curve = self._curve
+        if curve is None and self._geometry is not None and self.residuals is not None:
+            curve = self._geometry.curve
+        if self._cursor is None or curve is None:
             return
         side, x, y = self._cursor
         other = self.canvases[1 - side]
-        points = np.asarray(self._curve(side, x, y), np.float64).reshape(-1, 2)
+        points = np.asarray(curve(side, x, y), np.float64).reshape(-1, 2)
         points = points[np.isfinite(points).all(axis=1)]
         painter.save()
         painter.setClipRect(other.geometry())
-        moved = other.to_screen(points) + [other.x(), other.y()]
+        moved = other.to_screen(points) + np.array([other.x(), other.y()])
         line = [QPointF(*p) for p in np.clip(moved, -1e5, 1e5).tolist()]
         for colour, width in ((QColor(0, 0, 0, 160), 4.0), (QColor(255, 221, 51), 2.0)):
             painter.setPen(QPen(colour, width))
@@ -372,29 +391,3 @@ class _Overlay(QWidget):
         """Let the view paint."""
         painter = QPainter(self)
         self._view.paint_over(painter)
-
-
-def epipolar_distances(fundamental: Array, xy_a: Array, xy_b: Array) -> Array:
-    """Return the larger distance (n,) in px of each match from the epipolar lines in both photos."""
-    a = np.column_stack([xy_a, np.ones(len(xy_a))])
-    b = np.column_stack([xy_b, np.ones(len(xy_b))])
-    in_b, in_a = a @ fundamental.T, b @ fundamental
-    residual = np.abs((in_b * b).sum(axis=1))
-    shortest = np.minimum(np.hypot(in_b[:, 0], in_b[:, 1]), np.hypot(in_a[:, 0], in_a[:, 1]))
-    return np.asarray(residual / np.maximum(shortest, 1e-300))
-
-
-def fundamental_curve(fundamental: Array, size: Callable[[int], tuple[int, int]]) -> EpipolarCurve:
-    """Return the epipolar line ``x_bᵀ F x_a = 0`` as a curve across the photo it lies in."""
-
-    def curve(side: int, x: float, y: float) -> Array:
-        matrix = fundamental if side == 0 else fundamental.T
-        a, b, c = matrix @ [x, y, 1.0]
-        width, height = size(1 - side)
-        if abs(b) > abs(a):
-            ends = np.array([-0.5, width - 0.5])
-            return np.column_stack([ends, -(c + a * ends) / b])
-        ends = np.array([-0.5, height - 0.5])
-        return np.column_stack([-(c + b * ends) / (a or np.nan), ends])
-
-    return curve

@@ -256,9 +256,9 @@ class PixelCanvas(QWidget):
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """End a drag, or tell a click."""
-        if self._pressed is not None and not self._dragging and event.button() == Qt.MouseButton.LeftButton:
-            if self.array is not None:
-                self.clicked.emit(*self.to_image(event.position().x(), event.position().y()))
+        clicked = self._pressed is not None and not self._dragging and self.array is not None
+        if clicked and event.button() == Qt.MouseButton.LeftButton:
+            self.clicked.emit(*self.to_image(event.position().x(), event.position().y()))
         if self._dragging:
             self.unsetCursor()
         self._pressed = None

@@ -8,6 +8,8 @@ which points are drawn, so any number of threads gives the same picture. The ker
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numba import njit
 
@@ -101,7 +103,7 @@ def merge(buffers: Array, out: Array, first: int, last: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _depth(key: int) -> float:
+def _depth(key: Any) -> Any:
     return np.uint32(np.uint64(key) >> SHIFT).view(np.float32)
 
 
@@ -155,7 +157,7 @@ def shade(
 
 
 @njit(cache=True, nogil=True)
-def _mix(old: int, red: float, green: float, blue: float, share: float) -> int:
+def _mix(old: Any, red: float, green: float, blue: float, share: float) -> Any:
     r = (old >> np.uint32(16)) & np.uint32(255)
     g = (old >> np.uint32(8)) & np.uint32(255)
     b = old & np.uint32(255)

@@ -1,0 +1,86 @@
+"""Epipolar lines and distances of a pair as the match view needs them, whichever matrix was estimated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from graphos_core.cameras import pixel_from_ray, ray_from_pixel
+from graphos_core.data import Array, Camera, PairMatches
+from graphos_core.geometry.epipolar import (
+    epipolar_lines,
+    fundamental_from_essential,
+    interior_matrix,
+    line_distances,
+)
+
+SAMPLES = 64
+
+
+@dataclass(frozen=True)
+class PairGeometry:
+    """Epipolar geometry of two photos.
+
+    Attributes
+    ----------
+    fundamental : float64 (3, 3)
+        For measured px, or for distortion-free px where there are cameras.
+    sizes : ((width, height), (width, height))
+        Of the photos, px.
+    cameras : (Camera, Camera) or None
+        Where the matrix is an essential one.
+    """
+
+    fundamental: Array
+    sizes: tuple[tuple[int, int], tuple[int, int]]
+    cameras: tuple[Camera, Camera] | None = None
+
+    @classmethod
+    def of_pair(
+        cls,
+        pair: PairMatches | None,
+        sizes: tuple[tuple[int, int], tuple[int, int]],
+        cameras: tuple[Camera, Camera] | None,
+    ) -> PairGeometry | None:
+        """Return the geometry of a pair; None where it has none, or is essential and the cameras are missing."""
+        if pair is None or not np.any(pair.matrix):
+            return None
+        if pair.kind == "fundamental":
+            return cls(np.asarray(pair.matrix), sizes)
+        if pair.kind == "essential" and cameras is not None:
+            return cls(fundamental_from_essential(pair.matrix, *cameras), sizes, cameras)
+        return None
+
+    def distances(self, xy_a: Array, xy_b: Array) -> Array:
+        """Return the larger distance (n,) of each match from the two epipolar lines, px."""
+        a, b = self._ideal(0, xy_a), self._ideal(1, xy_b)
+        return np.asarray(np.maximum(*line_distances(self.fundamental, a, b)))
+
+    def curve(self, side: int, x: float, y: float) -> Array:
+        """Return points (n, 2) of the epipolar curve, in the other photo, of pixel (x, y) of photo `side`.
+
+        A straight line, bent by the distortion of the other camera where it is known.
+        """
+        a, b, c = epipolar_lines(self.fundamental, self._ideal(side, np.array([[x, y]])), into_a=side == 1)[0]
+        width, height = self.sizes[1 - side]
+        share = np.linspace(-0.25, 1.25, SAMPLES if self.cameras else 2)
+        if abs(b) > abs(a):
+            along = share * width
+            line = np.column_stack([along, -(c + a * along) / b])
+        else:
+            along = share * height
+            line = np.column_stack([-(c + b * along) / (a or np.nan), along])
+        if self.cameras is None:
+            return line
+        camera = self.cameras[1 - side]
+        rays = np.column_stack([line, np.ones(len(line))]) @ np.linalg.inv(interior_matrix(camera)).T
+        return pixel_from_ray(camera, rays)
+
+    def _ideal(self, side: int, xy: Array) -> Array:
+        """Return distortion-free px (n, 2) of measured px."""
+        xy = np.asarray(xy, np.float64).reshape(-1, 2)
+        if self.cameras is None:
+            return xy
+        camera = self.cameras[side]
+        return np.asarray((ray_from_pixel(camera, xy) @ interior_matrix(camera).T)[:, :2])
