@@ -98,12 +98,22 @@ def refine_resection(
             return _failed(len(points), "the points do not agree on an orientation")
         vector, moved = cv2.solvePnPRefineLM(
             points[inliers], rays[inliers], np.eye(3), None,
-            cv2.Rodrigues(rotation)[0], np.asarray(translation, dtype=np.float64).reshape(3, 1),
+            cv2.Rodrigues(rotation)[0], np.array(translation, dtype=np.float64).reshape(3, 1),
             (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 30, 1e-14),
         )  # fmt: skip
         if not (np.isfinite(vector).all() and np.isfinite(moved).all()):
             return _failed(len(points), "the points do not agree on an orientation")
         rotation, translation = cv2.Rodrigues(vector)[0], moved.ravel()
+    return judge_resection(rotation, translation, points, rays, threshold)
+
+
+def judge_resection(
+    rotation: Array, translation: Array, points: Array, rays: Array, threshold: float
+) -> Resection:
+    """Say which points agree with an exterior orientation ``p_cam = rotation · X + translation``, unchanged.
+
+    Parameters and result as in `space_resection`.
+    """
     distances = _distances(rotation, translation, points, rays)
     inliers = distances <= threshold
     if inliers.sum() < 4:

@@ -79,6 +79,6 @@ def test_points_behind_narrow_or_single_are_refused() -> None:
 def test_distances_are_those_of_the_projection() -> None:
     points = np.random.default_rng(3).uniform(-1, 1, (20, 3))
     _, photo, rays, focal, rotations, centres = rays_of(points)
-    moved = rays + [3.0 / FOCAL, 4.0 / FOCAL]
+    moved = rays + np.array([3.0, 4.0]) / FOCAL
     point = np.repeat(np.arange(20), 4)
     np.testing.assert_allclose(ray_distances_px(point, photo, moved, focal, rotations, centres, points), 5.0)

@@ -85,9 +85,9 @@ def candidate_pairs(block: GrowingBlock, group: tuple[int, ...], min_points: int
         for i in range(length):
             for j in range(i + 1, length):
                 np.add.at(seen, (members[:, i], members[:, j]), 1)
-    i, j = np.nonzero(seen >= min_points)
-    order = np.lexsort([j, i, -seen[i, j]])
-    return [(group[i[k]], group[j[k]]) for k in order]
+    first, second = np.nonzero(seen >= min_points)
+    order = np.lexsort([second, first, -seen[first, second]])
+    return [(group[first[k]], group[second[k]]) for k in order]
 
 
 def choose_first_pairs(

@@ -70,7 +70,7 @@ class GrowingBlock:
         for index in changed:
             mine = camera == index
             self.rays[mine] = ray_from_pixel(cameras[index], self.tracks.xy[mine])[:, :2]
-        self.valid = np.isfinite(self.rays).all(axis=1)
+        self.valid: Array = np.asarray(np.isfinite(self.rays).all(axis=1))
 
     def observations_of(self, photo: int) -> Array:
         """Return the indices of the valid observations of a photo, sorted by track."""

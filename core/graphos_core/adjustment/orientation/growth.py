@@ -7,7 +7,7 @@ import numpy as np
 from graphos_core.adjustment.orientation.first_pair import FirstPair
 from graphos_core.adjustment.orientation.growing import GrowingBlock
 from graphos_core.adjustment.orientation.intermediate import adjusted
-from graphos_core.adjustment.orientation.next_photo import place_photo, rank_photos
+from graphos_core.adjustment.orientation.next_photo import MIN_SCALING, place_photo, rank_photos
 from graphos_core.run import Run
 from graphos_core.text import Text
 
@@ -99,7 +99,7 @@ class Growth:
         block = self.block
         waiting = [photo for photo in self.group if not block.oriented[photo]]
         for photo, seen in rank_photos(block, waiting):
-            if seen < self.min_points:
+            if seen < MIN_SCALING:
                 self.reasons[photo] = (
                     f"only {seen} points in common with the oriented photos, {self.min_points} needed"
                     if seen

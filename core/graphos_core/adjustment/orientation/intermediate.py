@@ -15,7 +15,7 @@ from graphos_core.run import Run
 FREED = (("focal_px", 3), ("k1", 3), ("k2", 5))
 """Camera parameters estimated while orienting, and from how many photos of the camera on."""
 
-OPTIONS = Options(robust="cauchy", scale_px=1.0, max_iterations=25, tolerance=1e-5, statistics=False)
+OPTIONS = Options(robust="cauchy", scale_px=1.0, max_iterations=6, tolerance=1e-3, statistics=False)
 
 
 class _Quiet(Run):

@@ -9,7 +9,10 @@ import numpy as np
 from graphos_core.adjustment.orientation.growing import GrowingBlock
 from graphos_core.data import Array
 from graphos_core.geometry.relative_orientation import depths, relative_orientation
-from graphos_core.geometry.resection import Resection, refine_resection, space_resection
+from graphos_core.geometry.resection import judge_resection, refine_resection, space_resection
+
+MIN_SCALING = 6
+"""Known points that must agree where a relative orientation carries a photo and they only scale its base."""
 
 
 @dataclass(frozen=True)
@@ -78,17 +81,26 @@ def place_photo(
 ) -> Placement:
     """Orient a photo by space resection and by relative orientation to its best neighbour; keep the better one.
 
-    Better is the one with which more known points agree, and at equal number the smaller residual.
+    Better is the one with which more known points agree, and at equal number the smaller residual. Where fewer
+    known points agree than are needed, a relative orientation still holds if enough rays of the pair agree and
+    some known points give the length of its base (`MIN_SCALING`).
     """
     seen = block.seen_by(photo)
     points, rays = block.points[block.tracks.track[seen]], block.rays[seen]
     threshold = threshold_px / block.focal[photo]
-    resection = space_resection(points, rays, threshold, seed=seed)
-    best, method = resection, "space resection"
+    best, method = space_resection(points, rays, threshold, seed=seed), "space resection"
     neighbour = best_neighbour(block, photo)
-    relative = by_relative_orientation(block, photo, neighbour, points, rays, threshold, seed=seed)
-    if (relative.inliers.sum(), -relative.rms) > (best.inliers.sum(), -best.rms):
-        best, method = relative, f"relative orientation to {block.names[neighbour]}"
+    pair = relative_to(block, photo, neighbour, seed=seed)
+    if pair is not None:
+        name = f"relative orientation to {block.names[neighbour]}"
+        relative = refine_resection(pair.rotation, pair.translation, points, rays, threshold)
+        if (relative.inliers.sum(), -relative.rms) > (best.inliers.sum(), -best.rms):
+            best, method = relative, name
+        if best.inliers.sum() < min_points <= pair.rays:
+            scaled = judge_resection(pair.rotation, pair.translation, points, rays, 2.0 * threshold)
+            agreeing = int(scaled.inliers.sum())
+            if agreeing >= max(MIN_SCALING, 0.6 * len(seen)):
+                best, method, min_points = scaled, name, agreeing
     count = int(best.inliers.sum())
     reason = ""
     if not best or count < min_points:
@@ -96,58 +108,46 @@ def place_photo(
             f"only {count} of its {len(seen)} points in common with the oriented photos agree within "
             f"{threshold_px:g} px, {min_points} needed"
         )
-    return Placement(
-        best.rotation, best.centre, method, count, len(seen), best.rms * float(block.focal[photo]), reason
-    )
+    rms_px = best.rms * float(block.focal[photo])
+    return Placement(best.rotation, best.centre, method, count, len(seen), rms_px, reason)
 
 
 def best_neighbour(block: GrowingBlock, photo: int) -> int:
-    """Return the oriented photo that shares most known points with `photo`."""
-    mine = np.zeros(block.tracks.count, dtype=bool)
-    mine[block.tracks.track[block.seen_by(photo)]] = True
-    shared = block.tracks.photo[block.used & mine[block.tracks.track]]
-    counts = np.bincount(shared, minlength=len(block.names))
+    """Return the oriented photo that has most tracks in common with `photo`."""
+    tracks = block.tracks
+    mine = np.zeros(tracks.count, dtype=bool)
+    mine[tracks.track[block.observations_of(photo)]] = True
+    counts = np.bincount(tracks.photo[block.valid & mine[tracks.track]], minlength=len(block.names))
     counts[~block.oriented] = 0
     return int(np.argmax(counts))
 
 
-def by_relative_orientation(
-    block: GrowingBlock,
-    photo: int,
-    neighbour: int,
-    points: Array,
-    rays: Array,
-    threshold: float,
-    *,
-    seed: int,
-) -> Resection:
-    """Orient `photo` by five points relative to `neighbour`, scaled by the known points common to both.
+@dataclass(frozen=True)
+class ScaledPair:
+    """A photo oriented relative to a neighbour: ``p_cam = rotation · X + translation``, from so many rays."""
 
-    Parameters
-    ----------
-    points, rays : float64 (k, 3), (k, 2)
-        Known points and their rays in `photo`, with which the result is refined and judged.
-    threshold : float
-        Largest distance of an agreeing point, in the unit of the rays.
-    """
+    rotation: Array
+    translation: Array
+    rays: int
+
+
+def relative_to(block: GrowingBlock, photo: int, neighbour: int, *, seed: int) -> ScaledPair | None:
+    """Orient `photo` by five points relative to `neighbour`; the known points common to both scale the base."""
     here, there = block.common(photo, neighbour)
-    nothing = np.zeros(len(points), dtype=bool)
     focal = float(np.sqrt(block.focal[photo] * block.focal[neighbour]))
     found = relative_orientation(
         block.rays[there], block.rays[here], block.reprojection_px / focal, seed=seed
     )
-    if not found:
-        return Resection(np.eye(3), np.zeros(3), nothing, np.inf, found.reason)
     scaling = found.inliers & block.known[block.tracks.track[here]]
-    if scaling.sum() < 3:
-        return Resection(np.eye(3), np.zeros(3), nothing, np.inf, "too few known points to scale the base")
+    if not found or scaling.sum() < 3:
+        return None
     # the known depth in the neighbour against the one intersected with a base of length 1
     object_points = block.points[block.tracks.track[here[scaling]]]
     known = (object_points - block.centres[neighbour]) @ block.rotations[neighbour][2]
     unit, _ = depths(found.rotation, found.translation, block.rays[there[scaling]], block.rays[here[scaling]])
     base = float(np.median(known / unit))
     if not (np.isfinite(base) and base > 0):
-        return Resection(np.eye(3), np.zeros(3), nothing, np.inf, "the base cannot be scaled")
+        return None
     rotation = found.rotation @ block.rotations[neighbour]
     translation = base * found.translation - rotation @ block.centres[neighbour]
-    return refine_resection(rotation, translation, points, rays, threshold)
+    return ScaledPair(rotation, translation, int(found.inliers.sum()))

@@ -1,0 +1,113 @@
+"""Control points measured in the photos, intersected in the frame of the block."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from graphos_core.cameras import ray_from_pixel
+from graphos_core.data import Array, Block, Control, ControlObservations
+from graphos_core.geometry.triangulation import triangulate
+from graphos_core.run import Run
+from graphos_core.text import Text
+
+
+@dataclass(frozen=True)
+class MeasuredPoints:
+    """Where the measured points are in the block.
+
+    Attributes
+    ----------
+    xyz : float64 (n, 3)
+        Object frame of the block, in its unit; NaN where not `found`. In the order of `Control.names`.
+    found : bool (n,)
+        Whether two rays or more from oriented photos intersect there.
+    photos : int (n,)
+        Oriented photos in which the point is measured.
+    """
+
+    xyz: Array
+    found: Array
+    photos: Array
+
+
+def intersect_measured(
+    block: Block,
+    control: Control | None,
+    measured: ControlObservations | None,
+    *,
+    threshold_px: float,
+    min_angle: float,
+    run: Run,
+) -> MeasuredPoints:
+    """Intersect the measured points; measurements in unknown photos and those that do not fit are told.
+
+    Parameters
+    ----------
+    block : Block
+    control, measured : Control, ControlObservations or None
+    threshold_px : float
+        Largest distance of a used measurement from the point, px.
+    min_angle : float
+        Smallest admissible largest intersection angle, radians.
+    run : Run
+    """
+    count = 0 if control is None else len(control.names)
+    xyz, found, photos = np.full((count, 3), np.nan), np.zeros(count, dtype=bool), np.zeros(count, dtype=int)
+    if control is None or measured is None or not len(measured.point):
+        return MeasuredPoints(xyz, found, photos)
+    photo = _photo_indices(block, measured, run)
+    rays = np.full((len(photo), 2), np.nan)
+    for index in np.unique(photo[photo >= 0]):
+        mine = photo == index
+        rays[mine] = ray_from_pixel(block.cameras[block.camera_of_photo[index]], measured.xy[mine])[:, :2]
+    use = np.flatnonzero((photo >= 0) & np.isfinite(rays).all(axis=1))
+    use = use[np.asarray(block.oriented)[photo[use]]]
+    use = use[
+        np.unique(measured.point[use].astype(np.int64) * len(block.names) + photo[use], return_index=True)[1]
+    ]
+    ids, start, sizes = np.unique(measured.point[use], return_index=True, return_counts=True)
+    photos[ids] = sizes
+    focal = np.array([block.cameras[c].focal_px for c in block.camera_of_photo])
+    result = triangulate(
+        np.append(start, len(use)), photo[use], rays[use], focal, block.rotations, block.centres,
+        threshold_px=threshold_px, min_angle=min_angle,
+    )  # fmt: skip
+    good = ids[result.ok]
+    xyz[good], found[good] = result.points[result.ok], True
+    _tell_misfits(control, measured, use, np.repeat(result.ok, sizes) & ~result.used, run)
+    return MeasuredPoints(xyz, found, photos)
+
+
+def _photo_indices(block: Block, measured: ControlObservations, run: Run) -> Array:
+    """Index of the photo of each measurement, by its name or, where unique, its file name; −1 where unknown."""
+    index: dict[str, int] = {}
+    for i, name in enumerate(block.names):
+        short = name.rsplit("/", 1)[-1].casefold()
+        index[short] = -1 if short in index else i
+    exact = {name: i for i, name in enumerate(block.names)}
+    found = np.array([exact.get(n, index.get(n.rsplit("/", 1)[-1].casefold(), -1)) for n in measured.photo])
+    unknown = sorted({n for n, i in zip(measured.photo, found, strict=True) if i < 0})
+    if unknown:
+        run.warn(
+            Text(
+                "{count} measurements of control points are in photos that are not in the project: {names}.",
+                count=int((found < 0).sum()),
+                names=", ".join(unknown[:4]) + (" …" if len(unknown) > 4 else ""),
+            )
+        )
+    return found
+
+
+def _tell_misfits(
+    control: Control, measured: ControlObservations, use: Array, misfit: Array, run: Run
+) -> None:
+    for i in use[misfit]:
+        run.warn(
+            Text(
+                "The measurement of {point} in {photo} does not fit the others and was left out.",
+                point=control.names[measured.point[i]],
+                photo=measured.photo[i],
+            )
+        )

@@ -1,0 +1,122 @@
+"""Control points and their image measurements as text tables (CSV).
+
+Control points: columns ``name, x, y, z`` and optionally ``role`` (control or check). Measurements: columns ``photo,
+name, x, y`` in pixels, the centre of the top-left pixel being (0, 0). Measurements stand in a file beside the first,
+``control.csv`` and ``control_measurements.csv``, or in the same file under a header of their own. Columns are
+separated by comma, semicolon or tab; ``#`` starts a comment; a unit may stand behind a column's name, ``x [mm]``, or
+in a row of units below the header.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from graphos_core.data import Array, Control, ControlObservations
+from graphos_core.exchange.control_tables import Row, Table, bad_line, read_tables
+from graphos_core.text import Text
+
+FAR_M = 1e4
+"""Coordinates beyond this are shifted to a local origin, m."""
+
+ROLES = {
+    "": False, "control": False, "control point": False, "gcp": False, "check": True, "check point": True,
+    "checkpoint": True, "check-point": True,
+}  # fmt: skip
+"""Whether a point of this role is a check point."""
+
+
+def read_control(path: Path) -> tuple[Control | None, ControlObservations | None]:
+    """Read control points and their measurements.
+
+    Coordinates beyond 10 km are shifted to a local origin, `Control.origin`. A measured point without coordinates
+    is kept with coordinates NaN, as a check point: it can be the end of a known distance.
+
+    Parameters
+    ----------
+    path : Path
+        File of the control points; ``<stem>_measurements`` with the same ending is read too where it exists.
+
+    Returns
+    -------
+    Control or None
+    ControlObservations or None
+        None where there are none.
+
+    Raises
+    ------
+    UserError
+        When a file cannot be read, or for the first bad line with its number.
+    """
+    tables = read_tables(path)
+    beside = path.with_name(f"{path.stem}_measurements{path.suffix}")
+    if beside.is_file():
+        tables += read_tables(beside)
+    points = [(table, row) for table in tables if not table.measurements for row in table.rows]
+    measurements = [(table, row) for table in tables if table.measurements for row in table.rows]
+    names: dict[str, int] = {}
+    xyz, check = [], []
+    for table, row in points:
+        name = _named(table, row)
+        if name in names:
+            raise bad_line(table, row, Text("the point {name} occurs twice", name=name))
+        names[name] = len(names)
+        xyz.append([table.number(row, axis) for axis in "xyz"])
+        check.append(_is_check(table, row))
+    observations = _measurements(measurements, names)
+    while len(xyz) < len(names):  # measured, but without coordinates
+        xyz.append([np.nan] * 3)
+        check.append(True)
+    if not names:
+        return None, None
+    coordinates = np.array(xyz, dtype=np.float64).reshape(-1, 3)
+    origin = local_origin(coordinates)
+    control = Control(
+        names=tuple(names), xyz=coordinates - origin, check=np.array(check, dtype=bool), origin=origin
+    )
+    return control, observations
+
+
+def local_origin(xyz: Array) -> Array:
+    """Return a round local origin (3,) for coordinates (n, 3) in m; 0 on axes where all are small."""
+    known = xyz[np.isfinite(xyz).all(axis=1)]
+    if not len(known):
+        return np.zeros(3)
+    far = np.abs(known).max(axis=0) > FAR_M
+    return np.where(far, np.round(known.mean(axis=0), -2), 0.0)
+
+
+def _measurements(rows: list[tuple[Table, Row]], names: dict[str, int]) -> ControlObservations | None:
+    """Collect the measurements; points that have no coordinates are added to `names`."""
+    if not rows:
+        return None
+    point, photo, xy = [], [], []
+    seen: set[tuple[str, str]] = set()
+    for table, row in rows:
+        name, where = _named(table, row), table.text(row, "photo").replace("\\", "/")
+        if not where:
+            raise bad_line(table, row, "the name of the photo is missing")
+        if (name, where) in seen:
+            raise bad_line(table, row, Text("{name} is measured twice in {photo}", name=name, photo=where))
+        seen.add((name, where))
+        point.append(names.setdefault(name, len(names)))
+        photo.append(where)
+        xy.append([table.number(row, axis) for axis in "xy"])
+    return ControlObservations(
+        point=np.array(point, dtype=np.int32), photo=tuple(photo), xy=np.array(xy, dtype=np.float64)
+    )
+
+
+def _named(table: Table, row: Row) -> str:
+    name = table.text(row, "name")
+    if not name:
+        raise bad_line(table, row, "the name of the point is missing")
+    return name
+
+
+def _is_check(table: Table, row: Row) -> bool:
+    role = table.text(row, "role").casefold()
+    if role not in ROLES:
+        raise bad_line(table, row, Text("the role “{role}” is neither control nor check", role=role[:40]))
+    return ROLES[role]
