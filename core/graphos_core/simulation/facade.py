@@ -54,7 +54,7 @@ def _base() -> list[Patch]:
     for x0, x1 in ((-6.12, -1.3), (1.3, 6.12)):
         patches += box((x0, -0.14, FLOOR), (x1, 0.0, PLINTH - 0.1), ashlar, "flr")
         profile = np.array([[-0.14, 0.0], [-0.20, 0.02], [-0.20, 0.08], [-0.17, 0.10], [0.0, 0.115]])
-        patches.append(extrude(profile + [0.0, PLINTH - 0.1], x0, x1, stone))
+        patches.append(extrude(profile + np.array([0.0, PLINTH - 0.1]), x0, x1, stone))
     for x in COLUMNS:  # pedestals
         patches += box((x - 0.42, -0.84, FLOOR), (x + 0.42, -0.14, PLINTH - 0.1), ashlar, "flr")
         patches += box((x - 0.48, -0.90, PLINTH - 0.1), (x + 0.48, -0.10, PLINTH), stone, "fudlr")
@@ -152,7 +152,7 @@ def _door() -> list[Patch]:
         patches += box((x0, -0.10, low), (x1, 0.0, top), stone, "flr")
     patches += box((-1.30, -0.10, top), (1.30, 0.0, top + 0.25), stone, "fdlr")
     profile = np.array([[0.0, 0.0], [-0.12, 0.0], [-0.16, 0.05], [-0.28, 0.12], [-0.30, 0.20], [0.0, 0.24]])
-    patches.append(extrude(profile + [0.0, top + 0.25], -1.45, 1.45, stone))
+    patches.append(extrude(profile + np.array([0.0, top + 0.25]), -1.45, 1.45, stone))
     return patches
 
 
@@ -226,7 +226,7 @@ def _entablature() -> list[Patch]:
         [-0.78, 0.92], [-0.80, 0.93], [-0.80, 1.08], [-1.02, 1.09], [-1.12, 1.14], [-1.12, 1.26], [-1.16, 1.28],
         [-1.22, 1.34], [-1.30, 1.38], [-1.30, 1.43], [-0.55, 1.50],
     ])  # fmt: skip
-    patches.append(extrude(profile + [0.0, z], -6.45, 6.45, stone))
+    patches.append(extrude(profile + np.array([0.0, z]), -6.45, 6.45, stone))
     patches += box((-6.0, -0.55, z + 1.44), (6.0, 0.3, z + 2.0), Finish(ASHLAR, 83, 1.0), "fulr")
     for x in (-5.7, -1.9, 1.9, 5.7):
         patches += box((x - 0.3, -0.62, z + 1.44), (x + 0.3, 0.37, z + 2.12), Finish(STONE, 84, 1.0), "fulr")
@@ -236,8 +236,8 @@ def _entablature() -> list[Patch]:
 def _ground() -> list[Patch]:
     patches = [
         plane(np.array([-9.0, -6.0, 0.0]), np.array([18.0, 0, 0]), np.array([0, 6.0, 0]), Finish(PAVING, 95, 0.6, 1.5)),
-        plane(np.array([-45.0, -30.0, -0.02]), np.array([90.0, 0, 0]), np.array([0, 75.0, 0]),
-              Finish(GROUND, 96, 0.0, 6.0), cell=10.0),
+        plane(np.array([-45.0, -30.0, -0.02]), np.array([60.0, 0, 0]), np.array([0, 54.0, 0]),
+              Finish(GROUND, 96, 0.0, 8.0), cell=10.0),
     ]  # fmt: skip
     brick = Finish(BRICK, 97, 0.9, 2.0)
     for x0, x1 in ((-14.0, -6.0), (6.0, 14.0)):  # garden walls
@@ -247,8 +247,8 @@ def _ground() -> list[Patch]:
 
 
 TARGETS: tuple[tuple[float, float, float], ...] = (
-    (-5.0, 0.0, 1.75), (-5.0, 0.0, 5.1), (-2.25, 0.0, 1.75), (-2.25, 0.0, 5.3), (-1.18, 0.0, 4.55), (1.18, 0.0, 4.55),
-    (2.25, 0.0, 1.75), (2.25, 0.0, 5.3), (5.0, 0.0, 1.75), (5.0, 0.0, 5.1), (-3.1, -0.14, 0.85), (3.1, -0.14, 0.85),
+    (-5.0, 0.0, 1.75), (-5.0, 0.0, 5.1), (-2.52, 0.0, 1.46), (-2.25, 0.0, 5.3), (-1.18, 0.0, 4.55), (1.18, 0.0, 4.55),
+    (2.52, 0.0, 1.46), (2.25, 0.0, 5.3), (5.0, 0.0, 1.75), (5.0, 0.0, 5.1), (-3.1, -0.14, 0.85), (3.1, -0.14, 0.85),
     (-4.45, -0.84, 0.86), (-1.75, -0.84, 0.86), (1.75, -0.84, 0.86), (4.45, -0.84, 0.86), (-3.75, -0.55, 7.82),
     (0.0, -0.55, 7.82), (3.75, -0.55, 7.82), (-4.5, -0.78, 6.80), (4.5, -0.78, 6.80),
 )  # fmt: skip

@@ -15,7 +15,7 @@ BOUNCE = (0.30, 0.26, 0.22)
 """Irradiance by the sun at right angles, by the open sky, and back from what hides the sky; exposure included."""
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@njit(cache=True, nogil=True)
 def light_tile(
     albedo: Array,
     relief: Array,
@@ -39,8 +39,8 @@ def light_tile(
     `sky_seen` float32 are coarser images over the tile; `out` uint8 (h, w, 3) holds ``255 √light``.
     """
     h, w = relief.shape
-    for i in prange(h):
-        normal = np.empty(3)
+    normal = np.empty(3)
+    for i in range(h):
         b = part_t[i]
         it = cell_t[i]
         i_low = max(i - 1, 0)
@@ -93,6 +93,33 @@ def _picture(image: Array, v: float, u: float) -> float:
 
 
 @njit(cache=True, nogil=True)
+def sky_rays(origins: Array, normals: Array, count: int, rays: Array) -> None:
+    """Fill `rays` float32 (n·count, 6) with rays over the cosine-weighted hemisphere of each point.
+
+    Malley's method on the R2 sequence (Roberts 2018), turned a little at every point.
+    """
+    for k in range(origins.shape[0]):
+        nx, ny, nz = normals[k, 0], normals[k, 1], normals[k, 2]
+        # an orthonormal frame without branches but the sign (Duff et al. 2017)
+        sign = 1.0 if nz >= 0.0 else -1.0
+        a = -1.0 / (sign + nz)
+        b = nx * ny * a
+        for j in range(count):
+            u = (0.5 + j * 0.7548776662466927) % 1.0
+            turn = 2.0 * math.pi * ((j * 0.5698402909980532 + 0.618033988749895 * k) % 1.0)
+            x = math.sqrt(u) * math.cos(turn)
+            y = math.sqrt(u) * math.sin(turn)
+            z = math.sqrt(1.0 - u)
+            i = k * count + j
+            rays[i, 0] = origins[k, 0]
+            rays[i, 1] = origins[k, 1]
+            rays[i, 2] = origins[k, 2]
+            rays[i, 3] = x * (1.0 + sign * nx * nx * a) + y * b + z * nx
+            rays[i, 4] = x * sign * b + y * (sign + ny * ny * a) + z * ny
+            rays[i, 5] = -x * sign * nx - y * ny + z * nz
+
+
+@njit(cache=True, nogil=True)
 def _texel_light(
     texels: Array, table: Array, patch: int, level: int, s: float, t: float, out: Array, weight: float
 ) -> None:
@@ -129,8 +156,24 @@ def _sky_light(x: float, y: float, z: float, out: Array) -> None:
 
 
 @njit(cache=True, nogil=True, parallel=True)
+def make_rays(local: Array, rotation: Array, centre: Array, rays: Array) -> None:
+    """Fill `rays` float32 (h·w, 6) with origin and direction in the world frame of `local` float64 (h, w, 3)."""
+    h, w = local.shape[:2]
+    for i in prange(h):
+        for j in range(w):
+            k = i * w + j
+            for c in range(3):
+                rays[k, c] = centre[c]
+                rays[k, 3 + c] = (
+                    rotation[0, c] * local[i, j, 0]
+                    + rotation[1, c] * local[i, j, 1]
+                    + rotation[2, c] * local[i, j, 2]
+                )
+
+
+@njit(cache=True, nogil=True, parallel=True)
 def shade_rays(
-    directions: Array,
+    rays: Array,
     spacing: float,
     t_hit: Array,
     primitive: Array,
@@ -149,8 +192,8 @@ def shade_rays(
 
     Parameters
     ----------
-    directions : float32 (r, 3)
-        World frame, with z = 1 in the camera frame, rows of subpixels one after the other.
+    rays : float32 (r, 6)
+        Origin and direction in the world frame; z = 1 in the camera frame; rows of subpixels one after the other.
     spacing : float
         Distance between neighbouring rays at z = 1.
     t_hit, primitive, uv, normals : float32 (r,), uint32 (r,), float32 (r, 2), float32 (r, 3)
@@ -174,9 +217,9 @@ def shade_rays(
             light[:] = 0.0
             for k in range(side * side):
                 ray = (row * side + k // side) * columns + column * side + k % side
-                dx = float(directions[ray, 0])
-                dy = float(directions[ray, 1])
-                dz = float(directions[ray, 2])
+                dx = float(rays[ray, 3])
+                dy = float(rays[ray, 4])
+                dz = float(rays[ray, 5])
                 if not math.isfinite(t_hit[ray]):
                     _sky_light(dx, dy, dz, light)
                     continue
@@ -198,3 +241,25 @@ def shade_rays(
                     _texel_light(texels, table, patch, low + 1, s, t, light, share)
             for c in range(3):
                 out[row, column, c] = light[c] / (side * side)
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def expose_light(
+    light: Array, rays: Array, noise: Array, vignetting: float, read: float, shot: float, out: Array
+) -> None:
+    """Fill `out` uint8 (h, w, 3): vignetting, sRGB curve (IEC 61966-2-1), noise, rounding.
+
+    `light` float32 (h, w, 3) linear, `rays` float64 (h, w, 3) with z = 1, `noise` float32 (h, w, 3) standard normal,
+    `read` and `shot` in grey levels.
+    """
+    h, w = light.shape[:2]
+    for i in prange(h):
+        for j in range(w):
+            square = rays[i, j, 0] ** 2 + rays[i, j, 1] ** 2
+            fall_off = 1.0 - vignetting * (1.0 - 1.0 / (1.0 + square) ** 2)
+            for c in range(3):
+                value = min(1.0, max(0.0, light[i, j, c] * fall_off))
+                grey = 12.92 * value if value <= 0.0031308 else 1.055 * value ** (1.0 / 2.4) - 0.055
+                grey *= 255.0
+                grey += noise[i, j, c] * math.sqrt(read * read + shot * shot * grey / 255.0)
+                out[i, j, c] = np.uint8(min(255.0, max(0.0, math.floor(grey + 0.5))))

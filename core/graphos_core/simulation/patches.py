@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
@@ -250,7 +251,6 @@ def _spandrels(s0: float, s1: float, spring: float, first: int) -> tuple[Array, 
 def _refine(cuts: list[float], cell: float = 0.8) -> Array:
     edges = np.unique(np.round(cuts, 9))
     parts = [
-        np.linspace(a, b, max(1, int(np.ceil((b - a) / cell))), endpoint=False)
-        for a, b in zip(edges[:-1], edges[1:], strict=True)
+        np.linspace(a, b, max(1, int(np.ceil((b - a) / cell))), endpoint=False) for a, b in pairwise(edges)
     ]
     return np.append(np.concatenate(parts), edges[-1])

@@ -138,7 +138,7 @@ def simulate_photos(
     grid = ray_grid(camera, sensor.supersampling)
     if not isinstance(scene, Scene):
         scene = build_scene(
-            scene or found.scene, seed=seed, texel_m=_texel(stations, camera, scene or found.scene)
+            scene or found.scene, seed=seed, texel_m=_texel(stations, camera, scene or found.scene), run=run
         )
     stations = stations.moved(scene.focus)
     names = tuple(f"{name}.jpg" for name in stations.names)

@@ -15,7 +15,7 @@ from graphos_core.data.record import Array
 from graphos_core.errors import UserError
 from graphos_core.params import About, Params
 from graphos_core.run import Run
-from graphos_core.simulation.light_kernels import shade_rays
+from graphos_core.simulation.light_kernels import expose_light, make_rays, shade_rays
 from graphos_core.simulation.scene import Scene
 
 ROW_BLOCK = 96
@@ -134,10 +134,9 @@ def render_light(
         if run is not None:
             run.check()
         last = min(first + ROW_BLOCK, camera.height)
-        directions = (grid.fine[first * side : last * side].reshape(-1, 3) @ rotation).astype(np.float32)
-        hit = _cast(scene, centre, directions)
+        rays, hit = _cast(scene, grid.fine[first * side : last * side], rotation, centre)
         shade_rays(
-            directions, spacing, hit["t_hit"], hit["primitive_ids"], hit["primitive_uvs"],
+            rays, spacing, hit["t_hit"], hit["primitive_ids"], hit["primitive_uvs"],
             hit["primitive_normals"], scene.corner_st, scene.patch_of_triangle, scene.texels, scene.table,
             scene.texel_of_patch, side, camera.width, out[first:last],
         )  # fmt: skip
@@ -150,19 +149,19 @@ def render_depth(scene: Scene, grid: RayGrid, rotation: Array, centre: Array) ->
     depth = np.empty((camera.height, camera.width), np.float32)
     for first in range(0, camera.height, 4 * ROW_BLOCK):
         last = min(first + 4 * ROW_BLOCK, camera.height)
-        directions = (grid.centre[first:last].reshape(-1, 3) @ rotation).astype(np.float32)
-        depth[first:last] = _cast(scene, centre, directions)["t_hit"].reshape(last - first, camera.width)
+        _, hit = _cast(scene, grid.centre[first:last], rotation, centre)
+        depth[first:last] = hit["t_hit"].reshape(last - first, camera.width)
     depth[~np.isfinite(depth)] = np.nan
     return depth
 
 
-def _cast(scene: Scene, centre: Array, directions: Array) -> dict[str, Array]:
+def _cast(scene: Scene, local: Array, rotation: Array, centre: Array) -> tuple[Array, dict[str, Array]]:
     import open3d as o3d
 
-    rays = np.empty((len(directions), 6), np.float32)
-    rays[:, :3] = centre
-    rays[:, 3:] = directions
-    return {key: value.numpy() for key, value in scene.caster.cast_rays(o3d.core.Tensor(rays)).items()}
+    rays = np.empty((local.shape[0] * local.shape[1], 6), np.float32)
+    make_rays(local, np.ascontiguousarray(rotation), np.ascontiguousarray(centre), rays)
+    hit = scene.caster.cast_rays(o3d.core.Tensor.from_numpy(rays))
+    return rays, {key: value.numpy() for key, value in hit.items()}
 
 
 def expose(light: Array, grid: RayGrid, sensor: SensorParams, rng: np.random.Generator) -> Array:
@@ -170,21 +169,10 @@ def expose(light: Array, grid: RayGrid, sensor: SensorParams, rng: np.random.Gen
 
     Vignetting by cos⁴ of the field angle, sRGB curve, noise as `SensorParams` says, rounding.
     """
-    square = grid.centre[..., 0] ** 2 + grid.centre[..., 1] ** 2
-    fall_off = 1.0 - sensor.vignetting * (1.0 - 1.0 / (1.0 + square) ** 2)
-    grey = srgb(light * fall_off[..., None].astype(np.float32))
-    noise = rng.standard_normal(grey.shape, dtype=np.float32)
-    grey += noise * np.sqrt(sensor.read_noise**2 + (sensor.shot_noise**2 / 255.0) * np.maximum(grey, 0.0))
-    result: Array = np.clip(np.rint(grey), 0, 255).astype(np.uint8)
-    return result
-
-
-def srgb(light: Array) -> Array:
-    """Return grey levels 0 to 255, float32, of linear light 0 to 1 (IEC 61966-2-1)."""
-    light = np.clip(light, 0.0, 1.0).astype(np.float32)
-    curved = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** np.float32(1 / 2.4) - 0.055)
-    result: Array = (255.0 * curved).astype(np.float32)
-    return result
+    noise = rng.standard_normal(light.shape, dtype=np.float32)
+    out = np.empty(light.shape, np.uint8)
+    expose_light(light, grid.centre, noise, sensor.vignetting, sensor.read_noise, sensor.shot_noise, out)
+    return out
 
 
 def jpeg_bytes(photo: Array, camera: Camera, quality: int) -> bytes:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from graphos_core.data.cloud import Mesh
 from graphos_core.data.record import Array
 from graphos_core.errors import UserError
 from graphos_core.params import unknown_name
+from graphos_core.run import Run, map_items
 from graphos_core.simulation.patches import Patch
 from graphos_core.simulation.textures import bake_albedo, bake_light, pyramid
 
@@ -94,6 +95,9 @@ def ray_caster(vertices: Array, triangles: Array) -> Any:
         o3d.core.Tensor(np.ascontiguousarray(vertices, dtype=np.float32)),
         o3d.core.Tensor(np.ascontiguousarray(triangles, dtype=np.uint32)),
     )
+    caster.test_occlusions(
+        o3d.core.Tensor.zeros((1, 6))
+    )  # builds the tree now: later calls may come from threads
     return caster
 
 
@@ -104,7 +108,7 @@ def scene_designs() -> dict[str, Callable[[int], Design]]:
     return {"facade": facade.design, "terrain": landscapes.terrain, "statue": landscapes.statue}
 
 
-def build_scene(name: str, *, seed: int = 0, texel_m: float = 0.004) -> Scene:
+def build_scene(name: str, *, seed: int = 0, texel_m: float = 0.004, run: Run | None = None) -> Scene:
     """Build a scene and bake its textures.
 
     Parameters
@@ -116,11 +120,14 @@ def build_scene(name: str, *, seed: int = 0, texel_m: float = 0.004) -> Scene:
     texel_m : float
         Size of a texel, m; about two thirds of the ground sampling distance keeps the photos sharp without
         aliasing.
+    run : Run, optional
+        Told the progress; its number of threads does not change the result.
 
     Raises
     ------
     UserError
         When there is no scene of that name.
+    Stopped
     """
     designs = scene_designs()
     if name not in designs:
@@ -129,19 +136,25 @@ def build_scene(name: str, *, seed: int = 0, texel_m: float = 0.004) -> Scene:
     patches = design.patches
     vertices, triangles, owner, shares = _assemble(patches)
     caster = ray_caster(vertices, triangles)
-    tiles, table, offset = [], np.zeros((len(patches), LEVELS, 3), np.int64), 0
     texel_of_patch = np.array([texel_m * patch.coarse for patch in patches])
-    for index, patch in enumerate(patches):
-        albedo, relief = bake_albedo(patch, texel_of_patch[index], seed)
-        light = bake_light(patch, albedo, relief, texel_of_patch[index], caster, TOWARDS_SUN)
-        for level, tile in enumerate(pyramid(light, LEVELS)):
-            table[index, level] = offset, *tile.shape[:2]
-            tiles.append(tile.reshape(-1))
-            offset += tile.size
+    bake = partial(_bake, patches, texel_of_patch, caster, seed)
+    levels = map_items(run or Run(), bake, range(len(patches)), "textures")
+    shapes = np.array([[tile.shape[:2] for tile in tiles] for tiles in levels])
+    sizes = 3 * shapes.prod(axis=2).reshape(-1)
+    offsets = (np.cumsum(sizes) - sizes).reshape(shapes.shape[:2])
+    table = np.concatenate([offsets[..., None], shapes], axis=2).astype(np.int64)
+    texels = np.concatenate([tile.reshape(-1) for tiles in levels for tile in tiles])
     return Scene(
-        name, design.focus, vertices, triangles, owner, shares, np.concatenate(tiles), table, texel_of_patch,
+        name, design.focus, vertices, triangles, owner, shares, texels, table, texel_of_patch,
         tuple(_targets(patches)),
     )  # fmt: skip
+
+
+def _bake(patches: list[Patch], texels: Array, caster: Any, seed: int, index: int) -> list[Array]:
+    """Return the tile of one patch and its coarser levels."""
+    patch, texel = patches[index], float(texels[index])
+    albedo, relief = bake_albedo(patch, texel, seed)
+    return pyramid(bake_light(patch, albedo, relief, texel, caster, TOWARDS_SUN), LEVELS)
 
 
 def _assemble(patches: list[Patch]) -> tuple[Array, Array, Array, Array]:

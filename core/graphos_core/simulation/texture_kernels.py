@@ -1,15 +1,18 @@
-"""Compiled noise and materials: the reflectance and the relief of every texel of a patch."""
+"""Compiled noise and materials: the reflectance and the relief of every texel of a patch.
+
+These kernels run on one thread and release the interpreter lock: patches are baked side by side.
+"""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 
 from graphos_core.data.record import Array
 
-BRICK, ASHLAR, STONE, WOOD, GLASS, PAVING, GROUND, PLASTER, TERRAIN, STATUE = range(10)
+BRICK, ASHLAR, STONE, WOOD, GLASS, PAVING, GROUND, PLASTER, STATUE = range(9)
 """Materials, by the number that compiled code knows them by."""
 
 Tone = tuple[float, float, float]
@@ -19,9 +22,9 @@ Tone = tuple[float, float, float]
 def hash_unit(i: int, j: int, seed: int) -> float:
     """Return a reproducible number in [0, 1) for the lattice point (i, j)."""
     h = (i * 374761393 + j * 668265263 + seed * 1442695041) & 0xFFFFFFFF
-    h = ((h ^ (h >> 13)) * 1274126177) & 0xFFFFFFFF
-    h = ((h ^ (h >> 16)) * 1103515245) & 0xFFFFFFFF
-    return ((h ^ (h >> 15)) & 0xFFFFFF) / 16777216.0
+    h = ((h ^ (h >> 15)) * 1274126177) & 0xFFFFFFFF
+    h = ((h ^ (h >> 13)) * 1103515245) & 0xFFFFFFFF
+    return (h >> 8) / 16777216.0
 
 
 @njit(cache=True, nogil=True)
@@ -65,8 +68,8 @@ def _blocks(
     s: float, t: float, seed: int, width: float, height: float, joint: float, rough: float
 ) -> tuple[float, float, float, float]:
     """Masonry: 1 inside a block and 0 in the joint, and three random numbers of the block."""
-    wobble_s = rough * octaves(7.0 * s, 7.0 * t, seed + 1, 3, 0.6)
-    wobble_t = rough * octaves(7.0 * s, 7.0 * t, seed + 2, 3, 0.6)
+    wobble_s = rough * octaves(9.0 * s, 9.0 * t, seed + 1, 2, 0.6)
+    wobble_t = rough * octaves(9.0 * s, 9.0 * t, seed + 2, 2, 0.6)
     row = math.floor((t + wobble_t) / height)
     shift = 0.5 * (row % 2) + 0.18 * hash_unit(int(row), 3, seed)
     column = math.floor((s + wobble_s) / width + shift)
@@ -87,10 +90,10 @@ def _brick(s: float, t: float, seed: int) -> tuple[float, float, float, float]:
     tone = 0.55 + 0.75 * a + 0.20 * grain
     if b > 0.86:
         tone *= 0.55  # burnt bricks
-    r = (0.36 + 0.10 * c) * tone + 0.03 * fine
-    g = (0.17 + 0.07 * b) * tone + 0.025 * fine
-    k = (0.115 + 0.04 * a) * tone + 0.02 * fine
-    mortar = 0.36 + 0.06 * grain + 0.05 * fine
+    r = (0.250 + 0.09 * c) * tone + 0.025 * fine
+    g = (0.112 + 0.045 * b) * tone + 0.020 * fine
+    k = (0.068 + 0.025 * a) * tone + 0.015 * fine
+    mortar = 0.30 + 0.06 * grain + 0.05 * fine
     r = inside * r + (1.0 - inside) * mortar
     g = inside * g + (1.0 - inside) * mortar * 0.94
     k = inside * k + (1.0 - inside) * mortar * 0.84
@@ -103,10 +106,11 @@ def _stone(s: float, t: float, seed: int) -> tuple[float, float, float, float]:
     grain = octaves(13.0 * s, 13.0 * t, seed + 22, 5, 0.8)
     pits = _smooth(0.55, 1.1, octaves(24.0 * s, 33.0 * t, seed + 23, 3, 0.7))
     lichen = _smooth(0.65, 1.1, octaves(4.0 * s, 4.0 * t, seed + 24, 5, 0.7))
-    tone = 1.0 + 0.16 * broad + 0.17 * grain - 0.5 * pits
-    r = 0.50 * tone * (1.0 - 0.35 * lichen)
-    g = 0.445 * tone * (1.0 - 0.28 * lichen)
-    b = 0.35 * tone * (1.0 - 0.38 * lichen) + 0.02 * broad
+    tone = 1.0 + 0.20 * broad + 0.19 * grain - 0.5 * pits
+    warm = 0.03 * broad
+    r = (0.43 + warm) * tone * (1.0 - 0.42 * lichen)
+    g = 0.375 * tone * (1.0 - 0.34 * lichen)
+    b = (0.285 - warm) * tone * (1.0 - 0.42 * lichen)
     return r, g, b, 0.0015 * grain - 0.004 * pits
 
 
@@ -205,7 +209,7 @@ def surface(material: int, s: float, t: float, seed: int) -> tuple[float, float,
         return _glass(s, t, seed)
     if material == PAVING:
         return _paving(s, t, seed)
-    if material == GROUND or material == TERRAIN:
+    if material == GROUND:
         return _ground(s, t, seed)
     if material == PLASTER:
         return _plaster(s, t, seed)
@@ -214,32 +218,64 @@ def surface(material: int, s: float, t: float, seed: int) -> tuple[float, float,
     return _stone(s, t, seed)
 
 
-@njit(cache=True, nogil=True, parallel=True)
+WEATHER_STEP = 4
+"""Texels between the lattice points of the weathering, which has no finer detail."""
+
+
+@njit(cache=True, nogil=True)
+def weathering(seed: int, s0: float, t0: float, step: float, strength: float, out: Array) -> None:
+    """Fill `out` float32 (h, w) with the factor of broad stains and rain streaks at every `step` metres."""
+    for i in range(out.shape[0]):
+        t = t0 + i * step
+        for j in range(out.shape[1]):
+            s = s0 + j * step
+            stain = octaves(0.6 * s, 0.45 * t, seed + 91, 5, 0.7)
+            streak = octaves(5.5 * s, 0.35 * t, seed + 92, 3, 0.7)
+            out[i, j] = 1.0 + strength * (0.24 * stain - 0.40 * _smooth(0.10, 1.0, streak))
+
+
+@njit(cache=True, nogil=True)
 def paint_material(
-    material: int, seed: int, s0: float, t0: float, texel: float, weather: float, albedo: Array, relief: Array
+    material: int, seed: int, s0: float, t0: float, texel: float, tones: Array, albedo: Array, relief: Array
 ) -> None:
     """Fill a tile: `albedo` float32 (h, w, 3) in 0 to 1 and `relief` float32 (h, w) in metres.
 
-    Texel (row i, column j) is at ``s = s0 + (j + ½) texel``, ``t = t0 + (i + ½) texel``. `weather` (0 to 1) adds
-    rain streaks and broad stains that run over several blocks.
+    Texel (row i, column j) is at ``s = s0 + (j + ½) texel``, ``t = t0 + (i + ½) texel``. `tones` float32 holds the
+    factor of `weathering` at every `WEATHER_STEP` texels.
     """
     h, w = relief.shape
-    for i in prange(h):
+    for i in range(h):
         t = t0 + (i + 0.5) * texel
+        y = i // WEATHER_STEP
+        v = (i % WEATHER_STEP + 0.5) / WEATHER_STEP
         for j in range(w):
             s = s0 + (j + 0.5) * texel
+            x = j // WEATHER_STEP
+            u = (j % WEATHER_STEP + 0.5) / WEATHER_STEP
+            low = tones[y, x] * (1.0 - u) + tones[y, x + 1] * u
+            tone = low * (1.0 - v) + (tones[y + 1, x] * (1.0 - u) + tones[y + 1, x + 1] * u) * v
             r, g, b, height = surface(material, s, t, seed)
-            if weather > 0.0:
-                stain = octaves(0.6 * s, 0.45 * t, seed + 91, 5, 0.7)
-                streak = octaves(5.5 * s, 0.35 * t, seed + 92, 4, 0.7)
-                tone = 1.0 + weather * (0.18 * stain - 0.30 * _smooth(0.15, 1.0, streak))
-                r *= tone
-                g *= tone
-                b *= tone
-            albedo[i, j, 0] = min(0.95, max(0.012, r))
-            albedo[i, j, 1] = min(0.95, max(0.012, g))
-            albedo[i, j, 2] = min(0.95, max(0.012, b))
+            albedo[i, j, 0] = min(0.95, max(0.012, r * tone))
+            albedo[i, j, 1] = min(0.95, max(0.012, g * tone))
+            albedo[i, j, 2] = min(0.95, max(0.012, b * tone))
             relief[i, j] = height
+
+
+@njit(cache=True, nogil=True)
+def lattice_points(
+    lattice: Array, cell_s: Array, cell_t: Array, part_s: Array, part_t: Array, out: Array
+) -> None:
+    """Fill `out` float64 (h, w, 3) with the bilinear values of a lattice float64 (m, n, 3)."""
+    for i in range(len(cell_t)):
+        y = cell_t[i]
+        v = part_t[i]
+        for j in range(len(cell_s)):
+            x = cell_s[j]
+            u = part_s[j]
+            for c in range(3):
+                low = lattice[y, x, c] * (1.0 - u) + lattice[y, x + 1, c] * u
+                high = lattice[y + 1, x, c] * (1.0 - u) + lattice[y + 1, x + 1, c] * u
+                out[i, j, c] = low * (1.0 - v) + high * v
 
 
 @njit(cache=True, nogil=True)

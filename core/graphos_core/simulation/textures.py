@@ -7,10 +7,16 @@ from typing import Any
 import numpy as np
 
 from graphos_core.data.record import Array
-from graphos_core.simulation.light_kernels import light_tile
+from graphos_core.simulation.light_kernels import light_tile, sky_rays
 from graphos_core.simulation.patches import Patch
 from graphos_core.simulation.targets import paint_target
-from graphos_core.simulation.texture_kernels import halve, paint_material
+from graphos_core.simulation.texture_kernels import (
+    WEATHER_STEP,
+    halve,
+    lattice_points,
+    paint_material,
+    weathering,
+)
 
 SUN_LATTICE_M, SKY_LATTICE_M, SKY_RAYS = 0.012, 0.08, 48
 
@@ -20,9 +26,11 @@ def bake_albedo(patch: Patch, texel: float, seed: int) -> tuple[Array, Array]:
     width, height = patch.size
     shape = max(2, round(height / texel)), max(2, round(width / texel))
     albedo, relief = np.empty((*shape, 3), np.float32), np.empty(shape, np.float32)
-    paint_material(
-        patch.material, 1000 * seed + patch.seed, patch.s0, patch.t0, texel, patch.weather, albedo, relief
-    )
+    variant = 1000 * seed + patch.seed
+    tones = np.ones((shape[0] // WEATHER_STEP + 2, shape[1] // WEATHER_STEP + 2), np.float32)
+    if patch.weather > 0.0:
+        weathering(variant, patch.s0, patch.t0, WEATHER_STEP * texel, patch.weather, tones)
+    paint_material(patch.material, variant, patch.s0, patch.t0, texel, tones, albedo, relief)
     for number, s, t, diameter in patch.targets:
         paint_target(albedo, number, s, t, diameter, texel)
         reach = int(0.75 * diameter / texel)
@@ -87,41 +95,32 @@ def _lattice(patch: Patch, normals: Array, spacing: float) -> tuple[Array, Array
     it, b = _cells(patch.t_knots, shape[0])
 
     def mix(lattice: Array) -> Array:
-        low = lattice[it][:, js] * (1 - a)[None, :, None] + lattice[it][:, js + 1] * a[None, :, None]
-        high = lattice[it + 1][:, js] * (1 - a)[None, :, None] + lattice[it + 1][:, js + 1] * a[None, :, None]
-        result: Array = low * (1 - b)[:, None, None] + high * b[:, None, None]
-        return result.reshape(-1, 3)
+        out = np.empty((*shape, 3))
+        lattice_points(lattice, js, it, a, b, out)
+        return out.reshape(-1, 3)
 
     normal = _unit(mix(normals))
     return mix(patch.grid) + 0.004 * normal, normal, shape
 
 
-def _blocked(caster: Any, origins: Array, directions: Array) -> Array:
+def _sun(patch: Patch, normals: Array, spacing: float, caster: Any, sun: Array) -> Array:
     import open3d as o3d
 
-    rays = np.concatenate([origins, directions], axis=1).astype(np.float32)
-    result: Array = caster.test_occlusions(o3d.core.Tensor(rays)).numpy()
-    return result
-
-
-def _sun(patch: Patch, normals: Array, spacing: float, caster: Any, sun: Array) -> Array:
     origins, normal, shape = _lattice(patch, normals, spacing)
     lit = normal @ sun > 0.0
-    if lit.any():
-        lit[lit] = ~_blocked(caster, origins[lit], np.broadcast_to(sun, (int(lit.sum()), 3)))
+    rays = np.empty((int(lit.sum()), 6), np.float32)
+    rays[:, :3], rays[:, 3:] = origins[lit], sun
+    if len(rays):
+        lit[lit] = ~caster.test_occlusions(o3d.core.Tensor.from_numpy(rays)).numpy()
     return lit.reshape(shape).astype(np.float32)
 
 
 def _sky(patch: Patch, normals: Array, spacing: float, caster: Any) -> Array:
+    import open3d as o3d
+
     origins, normal, shape = _lattice(patch, normals, spacing)
-    helper = np.where(np.abs(normal[:, 2:]) < 0.9, [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]])
-    x = _unit(np.cross(helper, normal))
-    y = np.cross(normal, x)
-    seen = np.zeros(len(origins))
-    for k in range(SKY_RAYS):  # R2 sequence (Roberts 2018), turned a little at every point
-        u = (0.5 + k * 0.7548776662466927) % 1.0
-        turn = 2 * np.pi * ((k * 0.5698402909980532 + 0.618033988749895 * np.arange(len(origins))) % 1.0)
-        radius = np.sqrt(u)
-        out = radius * (np.cos(turn)[:, None] * x + np.sin(turn)[:, None] * y) + np.sqrt(1 - u) * normal
-        seen += np.where(out[:, 2] > -0.05, ~_blocked(caster, origins, out), 0.0)
-    return (seen / SKY_RAYS).reshape(shape).astype(np.float32)
+    rays = np.empty((len(origins) * SKY_RAYS, 6), np.float32)
+    sky_rays(origins, normal, SKY_RAYS, rays)
+    free = ~caster.test_occlusions(o3d.core.Tensor.from_numpy(rays)).numpy() & (rays[:, 5] > -0.05)
+    result: Array = free.reshape(-1, SKY_RAYS).mean(axis=1).reshape(shape).astype(np.float32)
+    return result
