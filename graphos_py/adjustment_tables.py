@@ -1,0 +1,128 @@
+"""The adjustment in tables: value, standard deviation and unit of everything that was estimated."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from graphos_core.cameras.model import camera_model
+from graphos_core.data import Adjustment, Block, Georeference
+from graphos_core.geometry.rotation import opk_from_matrix
+from graphos_core.number_format import format_value
+from graphos_py.translation import tr
+from graphos_py.views.table_view import Column
+
+
+def summary(adjustment: Adjustment, georeference: Georeference) -> list[tuple[str, str]]:
+    """Return the figures at a glance, as (what, value with unit)."""
+    block = adjustment.block
+    facts = [
+        ("photos oriented", f"{int(np.sum(block.oriented))} / {len(block.names)}"),
+        ("object points", format_value(len(block.points))),
+        ("σ0 (1 px a priori)", format_value(adjustment.sigma0_px, unit="px", digits=3)),
+        ("RMS per coordinate", format_value(adjustment.rms_px, unit="px", digits=3)),
+        ("observations", format_value(adjustment.observations)),
+        ("unknowns", format_value(adjustment.unknowns)),
+        ("redundancy", format_value(adjustment.redundancy)),
+        ("unit of the object space", tr(block.unit)),
+        ("datum", tr(adjustment.datum)),
+        ("ended", tr(adjustment.stop_reason)),
+    ]
+    if math.isfinite(georeference.rms_m):
+        facts.insert(8, ("control RMS per coordinate", format_value(georeference.rms_m, unit="m", digits=3)))
+    if math.isfinite(georeference.check_rms_m):
+        facts.insert(
+            9, ("check RMS per coordinate", format_value(georeference.check_rms_m, unit="m", digits=3))
+        )
+    return facts
+
+
+def camera_columns(block: Block) -> list[Column]:
+    """Return one row per camera: every parameter of its model with its standard deviation, none where held fixed."""
+    labels = [tr(camera.label) or tr("camera") for camera in block.cameras]
+    photos = np.bincount(np.asarray(block.camera_of_photo), minlength=len(labels))
+    columns = [Column(tr("camera"), labels), Column(tr("photos"), [int(n) for n in photos])]
+    models = [camera_model(camera.model) for camera in block.cameras]
+    for parameter in dict.fromkeys(p for model in models for p in model.parameters):
+        values, sigmas = [], []
+        for camera, model in zip(block.cameras, models):
+            known = parameter.name in model.names
+            place = model.index(parameter.name) if known else 0
+            values.append(float(camera.values[place]) if known else math.nan)
+            sigmas.append(float(camera.sigmas[place]) if known and camera.sigmas is not None else math.nan)
+        symbol = parameter.symbol.replace("_", "")
+        columns.append(Column(symbol, values, parameter.unit, sigmas, 6, tr(parameter.label)))
+        if parameter.name == "focal_px" and any(camera.pixel_pitch_mm for camera in block.cameras):
+            pitch = np.array([camera.pixel_pitch_mm or math.nan for camera in block.cameras])
+            mm = Column("c", np.array(values) * pitch, "mm", np.array(sigmas) * pitch, 6, tr(parameter.label))
+            columns.append(mm)
+    columns.append(Column(tr("model"), [tr(model.label) for model in models]))
+    return columns
+
+
+def photo_columns(adjustment: Adjustment) -> list[Column]:
+    """Return one row per photo: angles and centre with standard deviations, points, RMS; a reason if not oriented."""
+    block = adjustment.block
+    oriented = np.asarray(block.oriented)
+    squares = (np.asarray(adjustment.residuals) ** 2).sum(axis=1)
+    count = np.bincount(np.asarray(block.obs_photo), minlength=len(block.names))
+    total = np.bincount(np.asarray(block.obs_photo), weights=squares, minlength=len(block.names))
+    reasons = {failure.item: failure.reason for failure in block.failures}
+    angles = np.full((len(block.names), 3), math.nan)
+    sigmas = angles.copy()
+    for i in np.flatnonzero(oriented):
+        angles[i] = np.degrees(opk_from_matrix(block.rotations[i]))
+        sigmas[i] = np.degrees(sigma_opk(block.rotations[i], adjustment.sigma_rotations[i]))
+    centres = np.where(oriented[:, None], np.asarray(block.centres), math.nan)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rms = np.sqrt(total / (2 * count))
+    columns = [Column(tr("photo"), list(block.names))]
+    for axis, symbol in enumerate("ωφκ"):
+        columns.append(Column(symbol, angles[:, axis], "°", sigmas[:, axis], 6))
+    for axis, symbol in enumerate("XYZ"):
+        columns.append(
+            Column(symbol, centres[:, axis], tr(block.unit), np.asarray(adjustment.sigma_centres)[:, axis], 6)
+        )
+    columns.append(Column(tr("points"), [int(n) for n in count]))
+    columns.append(
+        Column("RMS", rms, "px", digits=3, help=tr("Per coordinate, over the photo's observations."))
+    )
+    if not oriented.all():
+        columns.append(
+            Column(
+                tr("why not oriented"),
+                ["" if o else tr(reasons.get(n, "–")) for o, n in zip(oriented, block.names)],
+            )
+        )
+    return columns
+
+
+def sigma_opk(rotation: Any, sigma: Any, step: float = 1e-6) -> Any:
+    """Return the standard deviations of ω, φ, κ from those of small rotations about the camera's axes, radians.
+
+    The derivatives are taken numerically; correlations between the three axes are not stored and taken as zero.
+    """
+    from graphos_core.geometry.rotation import matrix_from_vector
+
+    base = np.array(opk_from_matrix(rotation))
+    jacobian = np.empty((3, 3))
+    for axis in range(3):
+        turned = matrix_from_vector(step * np.eye(3)[axis]) @ np.asarray(rotation)
+        change = np.array(opk_from_matrix(turned)) - base
+        jacobian[:, axis] = (np.mod(change + np.pi, 2 * np.pi) - np.pi) / step
+    return np.sqrt((jacobian**2) @ np.asarray(sigma) ** 2)
+
+
+def control_columns(georeference: Georeference) -> list[Column]:
+    """Return the residuals at control and check points, computed − given; no column where there are none."""
+    if not len(georeference.names):
+        return []
+    residuals = np.asarray(georeference.residuals, dtype=float)
+    kinds = [tr("check") if check else tr("control") for check in georeference.check]
+    columns = [Column(tr("point"), list(georeference.names)), Column(tr("kind"), kinds)]
+    for axis, symbol in enumerate(("dX", "dY", "dZ")):
+        columns.append(Column(symbol, residuals[:, axis], "m", digits=3, help=tr("computed − given")))
+    columns.append(Column(tr("length"), np.linalg.norm(residuals, axis=1), "m", digits=3))
+    return columns

@@ -1,0 +1,51 @@
+"""Formulas in mathtext, drawn once per text, colour and size."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from io import BytesIO
+
+from PySide6.QtGui import QImage, QPixmap
+
+
+@lru_cache(maxsize=128)
+def formula_image(mathtext: str, colour: str, points: float, ratio: float = 1.0) -> QImage:
+    """Return a transparent picture of a formula; an empty one when the text cannot be set.
+
+    Parameters
+    ----------
+    mathtext : str
+        Without dollar signs; lines separated by a newline.
+    colour : str
+        ``#rrggbb``.
+    points : float
+        Size of the text.
+    ratio : float
+        Device pixels per pixel of the screen.
+
+    Notes
+    -----
+    Imports matplotlib, slow the first time; may be called outside the window's thread.
+    """
+    from matplotlib import rc_context
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    buffer = BytesIO()
+    with rc_context({"mathtext.fontset": "stix", "savefig.transparent": True}):
+        figure = Figure(figsize=(0.01, 0.01), dpi=96 * ratio)
+        FigureCanvasAgg(figure)
+        lines = [f"${line}$" for line in mathtext.strip().splitlines() if line.strip()]
+        figure.text(0, 0, "\n".join(lines), fontsize=points, color=colour, linespacing=1.7)
+        try:
+            figure.savefig(buffer, format="png", bbox_inches="tight", pad_inches=0.04)
+        except ValueError:
+            return QImage()
+    image = QImage.fromData(buffer.getvalue(), "PNG")
+    image.setDevicePixelRatio(ratio)
+    return image
+
+
+def formula_pixmap(mathtext: str, colour: str, points: float, ratio: float = 1.0) -> QPixmap:
+    """Return the picture of `formula_image` for a label; only in the window's thread."""
+    return QPixmap.fromImage(formula_image(mathtext, colour, points, ratio))

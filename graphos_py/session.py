@@ -1,0 +1,384 @@
+"""The one mutable thing of the application: project, recipe, current results, what is selected, what runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from PySide6.QtCore import QObject, QTimer, Signal, Slot
+
+from graphos_core.errors import GraphosError, ParamError, UserError
+from graphos_core.params import Params
+from graphos_core.registry import STAGES, Stage
+from graphos_core.run import Run
+from graphos_core.text import Text
+from graphos_py.jobs import Job, Jobs, TimeLeft
+
+if TYPE_CHECKING:
+    from graphos_core.pipeline import Pipeline
+    from graphos_core.project import Project
+    from graphos_core.recipe import Recipe
+
+DRAFT = "recipe_in_work.toml"
+"""The recipe as it stands in the window; ``recipe.toml`` beside it belongs to the last report."""
+
+STAGE_LABELS: dict[Stage, str] = {
+    "preprocessing": "Preprocessing",
+    "features": "Features",
+    "adjustment": "Bundle adjustment",
+    "dense": "Dense matching",
+    "quality": "Quality control",
+}
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far the running stage is.
+
+    Attributes
+    ----------
+    stage : Stage
+    done, total : float
+    what : str
+        Plural of the items.
+    seconds_left : float or None
+    """
+
+    stage: Stage
+    done: float
+    total: float
+    what: str
+    seconds_left: float | None
+
+
+def load_engine() -> None:
+    """Import the engine with all its algorithms; slow the first time, so never called in the window's thread."""
+    import graphos_core.pipeline  # noqa: F401
+    from graphos_core import registry
+
+    registry.algorithms()
+
+
+def _latest(pipeline: Pipeline, stages: Sequence[Stage]) -> dict[Stage, Any]:
+    """Read the last complete result of each stage; one that cannot be read counts as none."""
+    found: dict[Stage, Any] = {}
+    for stage in stages:
+        try:
+            found[stage] = pipeline.latest(stage)
+        except GraphosError:  # the stage's state says why
+            found[stage] = None
+    return found
+
+
+class Session(QObject):
+    """Project, recipe and results, with a signal for each kind of change.
+
+    Nothing else in the application holds state that outlives a widget. Reading and computing happen in jobs.
+    """
+
+    project_changed = Signal()
+    recipe_changed = Signal(str)
+    results_changed = Signal(str)
+    states_changed = Signal()
+    photo_selected = Signal(int)
+    run_changed = Signal()
+    progressed = Signal(object)
+    partial = Signal(str, str, object)
+    message = Signal(str, object)
+    bug = Signal(object)
+    photos_moved = Signal(object)
+
+    def __init__(self, jobs: Jobs, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self.jobs = jobs
+        self.project: Project | None = None
+        self.recipe: Recipe | None = None
+        self.pipeline: Pipeline | None = None
+        self.results: dict[Stage, Any] = {}
+        self.failed: dict[Stage, UserError] = {}
+        self.photo = 0
+        self.running: Stage | None = None
+        self._job: Job | None = None
+        self._goal: Stage | None = None
+        self._left = TimeLeft()
+        self._saving = QTimer(self, singleShot=True, interval=400)
+        self._saving.timeout.connect(self.save_recipe)
+
+    # ---------------------------------------------------------------------------------------------- project
+
+    def engine_ready(self) -> None:
+        """Start from a default recipe, so that forms can be seen before there is a project."""
+        if self.recipe is None:
+            from graphos_core.recipe import Recipe
+
+            self.recipe = Recipe.default()
+            for stage in STAGES:
+                self.recipe_changed.emit(stage)
+
+    def open(self, folder: Path, photos: Path | None = None) -> None:
+        """Open a project in the background; `photos_moved` or `message` when that fails."""
+
+        def work(run: Run) -> tuple[Any, Any]:
+            load_engine()
+            from graphos_core.project import Project
+            from graphos_core.recipe import Recipe
+
+            project = Project.open(folder, photos=photos, run=run)
+            files = (project.folder / name for name in (DRAFT, "recipe.toml"))
+            file = next((file for file in files if file.is_file()), None)
+            return project, Recipe.load(file) if file is not None else Recipe.default(project.seed)
+
+        self._read(work, self._opened)
+
+    def create(self, folder: Path, photos: Path, **settings: Any) -> None:
+        """Make a project in the background and open it."""
+
+        def work(run: Run) -> tuple[Any, Any]:
+            load_engine()
+            from graphos_core.project import Project
+            from graphos_core.recipe import Recipe
+
+            project = Project.create(folder, photos, run=run, **settings)
+            return project, Recipe.default(project.seed)
+
+        self._read(work, self._opened)
+
+    def change_project(self, **settings: Any) -> None:
+        """Change settings of the project (excluded photos, control, reference …) in the background."""
+        project, recipe = self.project, self.recipe
+        if project is not None:
+            self._read(lambda run: (project.change(run, **settings), recipe), self._changed)
+
+    def _opened(self, opened: tuple[Any, Any]) -> None:
+        self.photo = 0
+        self.results.clear()
+        self._changed(opened)
+
+    def _changed(self, opened: tuple[Any, Any]) -> None:
+        self.project, recipe = opened
+        self.failed.clear()
+        self._set_recipe(recipe)
+        self.project_changed.emit()
+        for failure in self.project.photo_set.failures if self.project else ():
+            self.message.emit("warning", Text("{item}: {reason}", item=failure.item, reason=failure.reason))
+        self.states_changed.emit()
+        self.load_results()
+
+    # ----------------------------------------------------------------------------------------------- recipe
+
+    def set_params(self, stage: Stage, name: str, params: Params) -> None:
+        """Put a parameter sheet into the recipe."""
+        if self.recipe is not None and self.recipe.params(stage, name) != params:
+            self._recipe_edited(stage, self.recipe.with_params(stage, name, params))
+
+    def choose(self, stage: Stage, role: str, names: Sequence[str]) -> None:
+        """Let `names` play a role."""
+        if self.recipe is not None and self.recipe.chosen(stage, role) != tuple(names):
+            self._recipe_edited(stage, self.recipe.choose(stage, role, names))
+
+    def use_recipe(self, recipe: Recipe) -> None:
+        """Replace the whole recipe."""
+        self.failed.clear()
+        self._set_recipe(recipe)
+        self._saving.start()
+        for stage in STAGES:
+            self.recipe_changed.emit(stage)
+        self.states_changed.emit()
+        self.load_results()
+
+    def _recipe_edited(self, stage: Stage, recipe: Recipe) -> None:
+        for later in STAGES[STAGES.index(stage) :]:
+            self.failed.pop(later, None)
+        self._set_recipe(recipe)
+        self._saving.start()
+        self.recipe_changed.emit(stage)
+        self.states_changed.emit()
+
+    @Slot()
+    def save_recipe(self) -> None:
+        """Write the recipe beside the project; called a moment after every edit and on closing."""
+        self._saving.stop()
+        if self.project is not None and self.recipe is not None:
+            try:
+                self.recipe.save(self.project.folder / DRAFT)
+            except UserError as problem:
+                self.message.emit("error", problem)
+
+    def _set_recipe(self, recipe: Recipe) -> None:
+        from graphos_core.pipeline import Pipeline
+
+        self.recipe = recipe
+        self.pipeline = Pipeline(self.project, recipe) if self.project is not None else None
+
+    # ---------------------------------------------------------------------------------------------- results
+
+    def load_results(self, stages: Sequence[Stage] = STAGES) -> None:
+        """Read the last complete results of stages in the background."""
+        pipeline = self.pipeline
+        if pipeline is not None:
+            wanted = tuple(stages)
+            self._read(lambda run: (pipeline, _latest(pipeline, wanted)), self._results_read)
+
+    def _results_read(self, read: tuple[Any, dict[Stage, Any]]) -> None:
+        pipeline, results = read
+        if self.pipeline is None or pipeline.project is not self.pipeline.project:
+            return
+        for stage, result in results.items():
+            if result is not None:
+                self.results[stage] = result
+            else:
+                self.results.pop(stage, None)
+            self.results_changed.emit(stage)
+        self.states_changed.emit()
+
+    # ------------------------------------------------------------------------------------------------- runs
+
+    def run(self, goal: Stage) -> None:
+        """Run everything up to `goal` that is not there yet, stage by stage so each can be seen at once."""
+        if self.pipeline is None or self.running is not None:
+            return
+        self._goal = goal
+        self._next_stage()
+
+    def run_all(self) -> None:
+        """Run all five steps."""
+        self.run(STAGES[-1])
+
+    def stop(self) -> None:
+        """Ask the running stage to stop."""
+        self._goal = None
+        if self._job is not None:
+            self._job.stop()
+            self.run_changed.emit()
+
+    @property
+    def stopping(self) -> bool:
+        """Whether the running stage was asked to stop."""
+        return self._job is not None and self._job.qt_run.stopping()
+
+    def _next_stage(self) -> None:
+        pipeline, goal = self.pipeline, self._goal
+        todo = None
+        if pipeline is not None and goal is not None:
+            upto = STAGES[: STAGES.index(goal) + 1]
+            todo = next((s for s in upto if pipeline.state(s).status != "done"), None)
+        self.running = todo
+        if todo is None or pipeline is None:
+            self._goal = self._job = None
+            self.run_changed.emit()
+            self.states_changed.emit()
+            return
+        stage = todo
+        self.failed.pop(stage, None)
+        self._left = TimeLeft()
+        job = Job(lambda run: pipeline.run(stage, run, with_earlier=False), name=stage, seed=self._seed())
+        job.progressed.connect(self._on_progress)
+        job.said.connect(self._on_said)
+        job.warned.connect(self._on_warned)
+        job.shown.connect(self._on_shown)
+        job.succeeded.connect(self._on_success)
+        job.stopped.connect(self._on_stopped)
+        job.failed.connect(self._on_failure)
+        self._job = self.jobs.start(job)
+        self.run_changed.emit()
+        self.states_changed.emit()
+
+    def _seed(self) -> int:
+        return self.recipe.seed if self.recipe is not None else 0
+
+    @Slot(float, float, object)
+    def _on_progress(self, done: float, total: float, what: str) -> None:
+        if self.running is not None:
+            left = self._left.seconds(done, total, what)
+            self.progressed.emit(Progress(self.running, done, total, what, left))
+
+    @Slot(object)
+    def _on_said(self, text: str) -> None:
+        self.message.emit("info", text)
+
+    @Slot(object)
+    def _on_warned(self, text: str) -> None:
+        self.message.emit("warning", text)
+
+    @Slot(str, object)
+    def _on_shown(self, key: str, values: list[Any]) -> None:
+        if self.running is not None:
+            self.partial.emit(self.running, key, values)
+
+    @Slot(object)
+    def _on_success(self, result: Any) -> None:
+        stage = self.running
+        if stage is None:
+            return
+        self.results[stage] = result
+        self.results_changed.emit(stage)
+        if (
+            self.pipeline is not None
+            and self.pipeline.state(stage).status != "done"
+            and self._goal is not None
+        ):
+            self._end_run()  # parameters were changed while it ran: the person decides what to run next
+        else:
+            self._next_stage()
+
+    @Slot()
+    def _on_stopped(self) -> None:
+        self.message.emit("info", "Stopped; what was finished before is kept.")
+        self._end_run()
+
+    @Slot(object)
+    def _on_failure(self, problem: BaseException) -> None:
+        if self.running is not None and isinstance(problem, GraphosError):
+            error = problem if isinstance(problem, UserError) else UserError(str(problem))
+            self.failed[self.running] = error
+        self.tell(problem)
+        self._end_run()
+
+    def _end_run(self) -> None:
+        self._goal = self._job = self.running = None
+        self.run_changed.emit()
+        self.states_changed.emit()
+
+    # ---------------------------------------------------------------------------------------------- reading
+
+    def _read(self, work: Callable[[Run], Any], then: Callable[[Any], None]) -> None:
+        job = Job(work, name="reading", engine=False)
+        job.succeeded.connect(then)
+        job.failed.connect(self.tell)
+        self.jobs.start(job)
+
+    @Slot(object)
+    def tell(self, problem: BaseException) -> None:
+        """Route a failure: moved photos are asked for, sentences go to the messages, a bug to its dialog."""
+        if hasattr(problem, "expected") and isinstance(problem, UserError):
+            self.photos_moved.emit(problem)
+        elif isinstance(problem, (UserError, ParamError, GraphosError)):
+            self.message.emit("error", problem)
+        else:
+            self.bug.emit(problem)
+
+    # -------------------------------------------------------------------------------------------- selection
+
+    def select_photo(self, index: int) -> None:
+        """Select a photo in every view."""
+        if (
+            self.project is not None
+            and 0 <= index < len(self.project.photo_set.photos)
+            and index != self.photo
+        ):
+            self.photo = index
+            self.photo_selected.emit(index)
+
+    def why_not_run(self, stage: Stage) -> str:
+        """Return why a stage cannot be run now; empty when it can."""
+        if self.project is None:
+            return "Open or make a project first."
+        if self.running == stage:
+            return "It is running."
+        if self.running is not None:
+            return Text("{stage} is running.", stage=STAGE_LABELS[self.running])
+        if self.pipeline is not None and self.pipeline.state(stage).status == "done":
+            return "Done with these parameters; change one to run again."
+        return ""
