@@ -93,39 +93,40 @@ def zncc_row(
         Row, its index in the band, half window.
     noise : float
         Variance added to both windows, grey², so that noise does not look like texture.
-    sums : float32 (3, w)
+    sums : float32 (6, w)
         Scratch.
     out : float32 (w,)
     """
     width = warped.shape[1]
-    for x in range(width):
-        sums[0, x] = np.float32(0.0)
-        sums[1, x] = np.float32(0.0)
-        sums[2, x] = np.float32(0.0)
-    for j in range(2 * r + 1):
+    inner = width - 2 * r
+    side = 2 * r + 1
+    for c in range(6):
+        for x in range(width):
+            sums[c, x] = np.float32(0.0)
+    for j in range(side):
         yy = y + j - r
         for x in range(width):
             value = warped[i + j, x]
             sums[0, x] += value
             sums[1, x] += value * value
             sums[2, x] += value * reference[yy, x]
-    scale = np.float32(1.0 / ((2 * r + 1) * (2 * r + 1)))
+    for c in range(3):
+        for j in range(side):
+            for x in range(inner):
+                sums[c + 3, x] += sums[c, x + j]
+    scale = np.float32(1.0 / (side * side))
     add = np.float32(noise)
-    for x in range(width):
-        out[x] = np.float32(-2.0)
-    for x in range(r, width - r):
-        s0 = np.float32(0.0)
-        s1 = np.float32(0.0)
-        s2 = np.float32(0.0)
-        for j in range(-r, r + 1):
-            s0 += sums[0, x + j]
-            s1 += sums[1, x + j]
-            s2 += sums[2, x + j]
-        if s1 < np.float32(1e12) and ref_inv[y, x] > np.float32(0.0):
-            mean = s0 * scale
-            variance = max(s1 * scale - mean * mean, np.float32(0.0))
-            covariance = s2 * scale - mean * ref_mean[y, x]
-            out[x] = covariance * ref_inv[y, x] / np.sqrt(variance + add)
+    none = np.float32(-2.0)
+    for x in range(r):
+        out[x] = none
+        out[width - 1 - x] = none
+    for x in range(inner):
+        mean = sums[3, x] * scale
+        variance = max(sums[4, x] * scale - mean * mean, np.float32(0.0))
+        covariance = sums[5, x] * scale - mean * ref_mean[y, x + r]
+        score = covariance * ref_inv[y, x + r] / np.sqrt(variance + add)
+        hidden = sums[4, x] > np.float32(1e12) or ref_inv[y, x + r] <= np.float32(0.0)
+        out[x + r] = none if hidden else score
 
 
 @njit(cache=True, nogil=True)
@@ -162,28 +163,41 @@ def census_row(
             out[x] = np.float32(1.0 - 2.0 * differ / comparisons)
 
 
-@njit(cache=True, nogil=True)
-def best_half(scores: Array, count: int, kept: Array) -> float:
-    """Return the mean of the better half of `count` scores, those of −2 left out; −2 if none is left.
+@njit(cache=True, nogil=True, fastmath=True)
+def best_half(scores: Array, i: int, half: Array, out: Array) -> None:
+    """Write the mean of the better half (rounded up) of ``scores[:, i]`` to `out`; scores of −2 do not count.
 
-    The better half (rounded up) is robust against neighbours in which the point is hidden by something else.
+    The better half is robust against neighbours in which the point is hidden by something else. The scores of the
+    row are sorted on the way, the best first.
+
+    Parameters
+    ----------
+    scores : float32 (n, rows, w)
+    i : int
+    half : float32 (w,)
+        Scratch: how many scores are averaged.
+    out : float32 (w,)
+        −2 where no score counts.
     """
-    valid = 0
-    for n in range(count):
-        if scores[n] > -1.5:
-            place = valid
-            while place > 0 and kept[place - 1] < scores[n]:
-                kept[place] = kept[place - 1]
-                place -= 1
-            kept[place] = scores[n]
-            valid += 1
-    if valid == 0:
-        return -2.0
-    half = (valid + 1) // 2
-    total = 0.0
-    for n in range(half):
-        total += kept[n]
-    return total / half
+    n, _, width = scores.shape
+    for x in range(width):
+        half[x] = np.float32(0.5)  # half a score for rounding up
+        out[x] = np.float32(0.0)
+    for m in range(n):
+        for x in range(width):
+            half[x] += np.float32(0.5) if scores[m, i, x] > np.float32(-1.5) else np.float32(0.0)
+    for m in range((n + 1) // 2):
+        for low in range(n - 1, m, -1):
+            for x in range(width):
+                upper = scores[low - 1, i, x]
+                lower = scores[low, i, x]
+                scores[low - 1, i, x] = max(upper, lower)
+                scores[low, i, x] = min(upper, lower)
+        for x in range(width):
+            out[x] += scores[m, i, x] if np.float32(m + 1) <= half[x] else np.float32(0.0)
+    for x in range(width):
+        used = np.floor(half[x])
+        out[x] = out[x] / used if used > np.float32(0.5) else np.float32(-2.0)
 
 
 @njit(cache=True, nogil=True)
@@ -216,10 +230,10 @@ def sweep_band(
     n = a.shape[0]
     rows = bottom - top
     warped = np.empty((rows + 2 * r, width), np.float32)
-    sums = np.empty((3, width), np.float32)
-    scores = np.empty((rows, width, n), np.float32)
+    sums = np.empty((6, width), np.float32)
+    scores = np.empty((n, rows, width), np.float32)
     row = np.empty(width, np.float32)
-    kept = np.empty(n, np.float32)
+    half = np.empty(width, np.float32)
     for k in range(cost.shape[2]):
         offset = (first + k) * step
         for m in range(n):
@@ -228,18 +242,16 @@ def sweep_band(
             for i in range(rows):
                 y = top + i
                 if y < r or y >= height - r:
-                    scores[i, :, m] = -2.0
-                    continue
-                if census:
-                    census_row(reference, ref_inv, warped, y, i, r, np.sqrt(noise), row)
+                    scores[m, i, :] = -2.0
+                elif census:
+                    census_row(reference, ref_inv, warped, y, i, r, np.sqrt(noise), scores[m, i])
                 else:
-                    zncc_row(reference, ref_mean, ref_inv, warped, y, i, r, noise, sums, row)
-                for x in range(width):
-                    scores[i, x, m] = row[x]
+                    zncc_row(reference, ref_mean, ref_inv, warped, y, i, r, noise, sums, scores[m, i])
         for i in range(rows):
+            best_half(scores, i, half, row)
             for x in range(width):
-                score = best_half(scores[i, x], n, kept)
-                cost[top + i, x, k] = np.uint16(1000.0 * (1.0 - min(max(score, 0.0), 1.0)) + 0.5)
+                score = min(max(row[x], np.float32(0.0)), np.float32(1.0))
+                cost[top + i, x, k] = np.uint16(np.float32(1000.5) - np.float32(1000.0) * score)
 
 
 @njit(cache=True, nogil=True)

@@ -43,8 +43,8 @@ def aggregate(
     height, width, count = cost.shape
     total = np.zeros(cost.shape, np.float32)
     for direction in (1, -1):
-        paths = np.full((2, 3, width, count + 2), FAR, np.float32)
-        least = np.zeros((2, 3, width), np.float32)
+        paths = np.full((2, 4, width, count + 2), FAR, np.float32)
+        least = np.zeros((2, 4, width), np.float32)
         for start in range(0, height, ROWS_PER_CALL):
             run.check()
             stop = min(start + ROWS_PER_CALL, height)

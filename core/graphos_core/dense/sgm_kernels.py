@@ -13,8 +13,9 @@ FAR = np.float32(1e6)
 
 @njit(cache=True, nogil=True, fastmath=True)
 def extend_path(
-    cost: Array, before: Array, least: float, shift: int, p1: float, p2: float, now: Array, total: Array
-) -> float:
+    cost: Array, y: int, x: int, paths: Array, old: int, path: int, px: int, least: float, shift: int,
+    p1: float, p2: float, now: int, total: Array,
+) -> float:  # fmt: skip
     """Extend one path by one pixel and add its costs to the total; return the smallest.
 
     ``L(k) = C(k) + min(L'(k'), L'(k' ± 1) + P1, min L' + P2) − min L'`` with ``k' = k + shift``
@@ -22,42 +23,58 @@ def extend_path(
 
     Parameters
     ----------
-    cost : uint16 (d,)
-    before, now : float32 (d + 2,)
-        Path costs of the previous and this pixel, with one outer hypothesis at either end.
+    cost : uint16 (h, w, d)
+    y, x : int
+        This pixel.
+    paths : float32 (2, 4, w, d + 2)
+        Path costs: ``paths[old, path, px]`` of the previous, ``paths[now, path, x]`` of this pixel, with one
+        outer hypothesis at either end.
+    old, path, px, now : int
     least : float
-        Smallest of `before`.
+        Smallest path cost of the previous pixel.
     shift : int
     p1, p2 : float
-    total : float32 (d,)
+    total : float32 (h, w, d)
     """
-    count = cost.shape[0]
+    count = cost.shape[2]
     jump = np.float32(p2)
     one = np.float32(p1)
     base = np.float32(least)
     smallest = FAR
     if shift == 0:
         for k in range(count):
-            best = min(before[k + 1] - base, jump)
-            best = min(best, min(before[k], before[k + 2]) - base + one)
-            value = np.float32(cost[k]) + best
-            now[k + 1] = value
-            total[k] += value
+            best = min(paths[old, path, px, k], paths[old, path, px, k + 2]) + one
+            best = min(min(best, paths[old, path, px, k + 1]) - base, jump)
+            value = np.float32(cost[y, x, k]) + best
+            paths[now, path, x, k + 1] = value
+            total[y, x, k] += value
             smallest = min(smallest, value)
-    else:
-        for k in range(count):
-            best = jump
-            q = k + shift + 1
-            if 0 < q <= count:
-                best = min(best, before[q] - base)
-            if 0 < q - 1 <= count:
-                best = min(best, before[q - 1] - base + one)
-            if 0 < q + 1 <= count:
-                best = min(best, before[q + 1] - base + one)
-            value = np.float32(cost[k]) + best
-            now[k + 1] = value
-            total[k] += value
-            smallest = min(smallest, value)
+        return smallest
+    for k in range(count):
+        best = jump
+        q = k + shift + 1
+        if 0 < q <= count:
+            best = min(best, paths[old, path, px, q] - base)
+        if 0 < q - 1 <= count:
+            best = min(best, paths[old, path, px, q - 1] - base + one)
+        if 0 < q + 1 <= count:
+            best = min(best, paths[old, path, px, q + 1] - base + one)
+        value = np.float32(cost[y, x, k]) + best
+        paths[now, path, x, k + 1] = value
+        total[y, x, k] += value
+        smallest = min(smallest, value)
+    return smallest
+
+
+@njit(cache=True, nogil=True, fastmath=True)
+def begin_path(cost: Array, y: int, x: int, paths: Array, now: int, path: int, total: Array) -> float:
+    """Begin a path at the border of the picture; arguments as in `extend_path`."""
+    smallest = FAR
+    for k in range(cost.shape[2]):
+        value = np.float32(cost[y, x, k])
+        paths[now, path, x, k + 1] = value
+        total[y, x, k] += value
+        smallest = min(smallest, value)
     return smallest
 
 
@@ -100,46 +117,30 @@ def aggregate_rows(
         Rows in the order of the direction.
     direction : int
         1: downwards and to the right; −1: upwards and to the left.
-    paths : float32 (2, 3, w, d + 2)
-        Path costs of the last row and this row; the outer hypotheses are `FAR`. Kept between calls.
-    least : float32 (2, 3, w)
+    paths : float32 (2, 4, w, d + 2)
+        Path costs of the last row and this row (of the path along the row only index 0 is used); the outer
+        hypotheses are `FAR`. Kept between calls.
+    least : float32 (2, 4, w)
         Their minima.
     total : float32 (h, w, d)
         Aggregated cost, added to.
     """
     height, width, count = cost.shape
-    along = np.full((2, count + 2), FAR, np.float32)
     for step in range(start, stop):
         y = step if direction > 0 else height - 1 - step
-        now = step & 1
-        old = 1 - now
-        along_least = np.float32(0.0)
         for column in range(width):
             x = column if direction > 0 else width - 1 - column
-            flip = column & 1
             g = np.float32(grey[y, x])
             for path in range(4):
-                if path == 0:
-                    px, py = x - direction, y
-                else:
-                    px, py = x + path - 2, y - direction
-                first = px < 0 or px >= width or py < 0 or py >= height
-                into = along[flip] if path == 0 else paths[now, path - 1, x]
-                if first:
-                    smallest = FAR
-                    for k in range(count):
-                        value = np.float32(cost[y, x, k])
-                        into[k + 1] = value
-                        total[y, x, k] += value
-                        smallest = min(smallest, value)
-                else:
-                    shift = range_shift(starts[y, x], starts[py, px], follow, count)
-                    jump = max(p2 / (1.0 + abs(g - np.float32(grey[py, px])) / edge_grey), 1.5 * p1)
-                    jump = np.rint(jump)
-                    before = along[1 - flip] if path == 0 else paths[old, path - 1, px]
-                    low = along_least if path == 0 else least[old, path - 1, px]
-                    smallest = extend_path(cost[y, x], before, low, shift, p1, jump, into, total[y, x])
-                if path == 0:
-                    along_least = np.float32(smallest)
-                else:
-                    least[now, path - 1, x] = smallest
+                px = x - direction if path == 3 else x + path - 1
+                py = y if path == 3 else y - direction
+                now = 0 if path == 3 else step & 1
+                old = 0 if path == 3 else 1 - now
+                if px < 0 or px >= width or py < 0 or py >= height:
+                    least[now, path, x] = begin_path(cost, y, x, paths, now, path, total)
+                    continue
+                shift = range_shift(starts[y, x], starts[py, px], follow, count)
+                jump = max(p2 / (1.0 + abs(g - np.float32(grey[py, px])) / edge_grey), 1.5 * p1)
+                least[now, path, x] = extend_path(
+                    cost, y, x, paths, old, path, px, least[old, path, px], shift, p1, np.rint(jump), now, total
+                )
