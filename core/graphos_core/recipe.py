@@ -48,7 +48,7 @@ DEFAULTS: Mapping[str, Mapping[str, tuple[str, ...]]] = MappingProxyType(
             "georeferencing": ("similarity",),
         },
         "dense": {"depth": ("multiview",), "fusion": ("consistent",)},
-        "quality": {"registration": ("icp",), "comparison": ("nearest",)},
+        "quality": {"registration": ("placed",), "comparison": ("nearest",)},
     }
 )
 """The algorithm of every role when nobody chose: ``DEFAULTS[stage][role]``. Filters form a chain, here an empty one."""

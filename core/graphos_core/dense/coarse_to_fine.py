@@ -171,9 +171,7 @@ def enlarged(surface: Array, shape: tuple[int, ...], jump: float) -> Array:
 
 def match_once(view: View, others: Sequence[View], sweep: Sweep, how: Matching, run: Run) -> Surface:
     """Cost, aggregation and choice of the best hypothesis, once."""
-    cost = matching_cost(
-        view, others, sweep, window=how.window, noise=how.noise, census=how.census, run=run
-    )
+    cost = matching_cost(view, others, sweep, window=how.window, noise=how.noise, census=how.census, run=run)
     grey = np.ascontiguousarray(view.grey)
     total = aggregate(cost, sweep.starts, grey, p1=how.p1, p2=how.p2, edge_grey=how.edge_grey, run=run)
     run.check()

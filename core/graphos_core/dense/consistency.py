@@ -74,7 +74,7 @@ def consistent_views(own: InverseMap, others: Sequence[InverseMap], threshold_px
     The point of a pixel is looked up in the other map, and the depth found there is brought back: the two are the
     same when they differ by less than `threshold_px` of parallax in the matched neighbour with the longest base.
     """
-    count = np.zeros(own.inverse_depth.shape, np.uint8)
+    count: Array = np.zeros(own.inverse_depth.shape, np.uint8)
     if not others:
         return count
     o = gather(own, others)

@@ -38,8 +38,18 @@ def sample_inverse_depth(depth: Array, height: int, width: int, u: float, v: flo
 
 @njit(cache=True, nogil=True)
 def seen_by_other(
-    x: float, y: float, w: float, a: Array, b: Array, back_a: Array, back_b: Array, depth: Array, height: int,
-    width: int, reach: float, place: Array,
+    x: float,
+    y: float,
+    w: float,
+    a: Array,
+    b: Array,
+    back_a: Array,
+    back_b: Array,
+    depth: Array,
+    height: int,
+    width: int,
+    reach: float,
+    place: Array,
 ) -> float:
     """Return the inverse depth that another map gives to the point (x, y, w) of this map, in this camera; 0 if none.
 

@@ -63,7 +63,14 @@ def parallax_per_inverse_depth(reference: View, other: View, inverse_depth: floa
 
 
 def matching_cost(
-    reference: View, others: Sequence[View], sweep: Sweep, *, window: int, noise: float, census: bool, run: Run
+    reference: View,
+    others: Sequence[View],
+    sweep: Sweep,
+    *,
+    window: int,
+    noise: float,
+    census: bool,
+    run: Run,
 ) -> Array:
     """Return the matching cost of every pixel and hypothesis.
 

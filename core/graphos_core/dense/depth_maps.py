@@ -172,7 +172,9 @@ def _warn_left_out(block: Block, places: list[Neighbourhood], run: Run) -> None:
     if not places:
         raise UserError(
             Text("No photo has a neighbour to be matched with."),
-            Text("Dense matching needs oriented photos that share object points under an intersection angle."),
+            Text(
+                "Dense matching needs oriented photos that share object points under an intersection angle."
+            ),
             Text("Orient at least two overlapping photos first."),
             "dense/multiview",
         )

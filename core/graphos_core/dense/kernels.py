@@ -256,7 +256,14 @@ def sweep_band(
 
 @njit(cache=True, nogil=True)
 def winners(
-    total: Array, cost: Array, surface: Array, first: int, step: float, depth: Array, score: Array, edge: Array
+    total: Array,
+    cost: Array,
+    surface: Array,
+    first: int,
+    step: float,
+    depth: Array,
+    score: Array,
+    edge: Array,
 ) -> None:
     """Choose the hypothesis with the smallest aggregated cost, to a fraction of the step by a parabola.
 

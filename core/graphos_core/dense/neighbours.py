@@ -80,9 +80,7 @@ def choose_neighbours(block: Block, count: int) -> list[Neighbourhood]:
     return found
 
 
-def _greedy(
-    block: Block, photo: int, seen: Array, others: list[int], count: int
-) -> tuple[int, ...]:
+def _greedy(block: Block, photo: int, seen: Array, others: list[int], count: int) -> tuple[int, ...]:
     own = np.flatnonzero(seen[photo])
     rays = block.points[own] - block.centres[photo]
     distance = np.linalg.norm(rays, axis=1)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numba import njit
 
@@ -15,7 +17,7 @@ FAR = np.float32(1e6)
 def extend_path(
     cost: Array, y: int, x: int, paths: Array, old: int, path: int, px: int, least: float, shift: int,
     p1: float, p2: float, now: int, total: Array,
-) -> float:  # fmt: skip
+) -> Any:  # fmt: skip
     """Extend one path by one pixel and add its costs to the total; return the smallest.
 
     ``L(k) = C(k) + min(L'(k'), L'(k' ± 1) + P1, min L' + P2) − min L'`` with ``k' = k + shift``
@@ -67,7 +69,7 @@ def extend_path(
 
 
 @njit(cache=True, nogil=True, fastmath=True)
-def begin_path(cost: Array, y: int, x: int, paths: Array, now: int, path: int, total: Array) -> float:
+def begin_path(cost: Array, y: int, x: int, paths: Array, now: int, path: int, total: Array) -> Any:
     """Begin a path at the border of the picture; arguments as in `extend_path`."""
     smallest = FAR
     for k in range(cost.shape[2]):
@@ -140,7 +142,20 @@ def aggregate_rows(
                     least[now, path, x] = begin_path(cost, y, x, paths, now, path, total)
                     continue
                 shift = range_shift(starts[y, x], starts[py, px], follow, count)
-                jump = max(p2 / (1.0 + abs(g - np.float32(grey[py, px])) / edge_grey), 1.5 * p1)
+                contrast = abs(g - np.float32(grey[py, px])) / edge_grey
+                jump: float = max(p2 / (1.0 + contrast), 1.5 * p1)
                 least[now, path, x] = extend_path(
-                    cost, y, x, paths, old, path, px, least[old, path, px], shift, p1, np.rint(jump), now, total
+                    cost,
+                    y,
+                    x,
+                    paths,
+                    old,
+                    path,
+                    px,
+                    least[old, path, px],
+                    shift,
+                    p1,
+                    np.rint(jump),
+                    now,
+                    total,
                 )

@@ -138,9 +138,8 @@ def undistort(image: Array, way: Undistortion) -> Array:
     if way.scale < 0.99:  # low-pass to the pixel size of the picture before sampling
         sigma = 0.45 * np.sqrt(1.0 / way.scale**2 - 1.0)
         image = cv2.GaussianBlur(image, (0, 0), sigma)
-    return cv2.remap(
-        image, way.source_xy, None, cv2.INTER_CUBIC, borderMode=cv2.BORDER_CONSTANT, borderValue=OUTSIDE
-    )
+    x, y = np.ascontiguousarray(way.source_xy[..., 0]), np.ascontiguousarray(way.source_xy[..., 1])
+    return cv2.remap(image, x, y, cv2.INTER_CUBIC, borderMode=cv2.BORDER_CONSTANT, borderValue=(OUTSIDE,) * 3)
 
 
 def grey_view(block: Block, photo: int, image: Array, way: Undistortion) -> View:
@@ -158,6 +157,4 @@ def grey_view(block: Block, photo: int, image: Array, way: Undistortion) -> View
     grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY) if image.ndim == 3 else image
     grey = np.maximum(undistort(grey, way), 1)
     grey[way.source_xy[..., 0] < -1e5] = OUTSIDE
-    return View(
-        photo, grey, way.focal_px, way.cx, way.cy, block.rotations[photo], block.centres[photo]
-    )
+    return View(photo, grey, way.focal_px, way.cx, way.cy, block.rotations[photo], block.centres[photo])

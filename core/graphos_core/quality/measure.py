@@ -147,6 +147,9 @@ def angle(a: PickedPoint, corner: PickedPoint, b: PickedPoint) -> Measured:
             reason=Text("No standard deviation: the points lie on one line."),
         )  # fmt: skip
     normal = np.cross(u, v) / across
-    da, db = np.cross(u, normal) / lu**2, np.cross(normal, v) / lv**2  # ∂angle/∂a, ∂angle/∂b, radians per unit
+    da, db = (
+        np.cross(u, normal) / lu**2,
+        np.cross(normal, v) / lv**2,
+    )  # ∂angle/∂a, ∂angle/∂b, radians per unit
     variance = (da**2 * a.sigma**2 + db**2 * b.sigma**2 + (da + db) ** 2 * corner.sigma**2).sum()
     return Measured(value=value, sigma=float(np.degrees(np.sqrt(variance))), unit="°")

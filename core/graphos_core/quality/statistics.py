@@ -63,7 +63,9 @@ def nmad(values: Array) -> float:
     return float(1.4826 * np.median(np.abs(values - np.median(values))))
 
 
-def distance_histogram(distances: Array, bins: int = 61, *, reach: float | None = None) -> tuple[Array, Array]:
+def distance_histogram(
+    distances: Array, bins: int = 61, *, reach: float | None = None
+) -> tuple[Array, Array]:
     """Return counts int64 (bins,) and edges float64 (bins + 1,) of a histogram that is symmetric about zero.
 
     Parameters

@@ -41,7 +41,7 @@ def hit(centre: Array, rays: Array) -> tuple[Array, Array]:
     on_plate = centre + t[:, None] * rays
     plate = (np.abs(on_plate[:, 0]) < PLATE_HALF) & (np.abs(on_plate[:, 1]) < PLATE_HALF)
     z = np.zeros(len(rays))
-    for _ in range(60):  # slopes are far below those of the rays: a fixed point
+    for _ in range(16):  # slopes are far below those of the rays: a fixed point
         ground = centre + ((z - centre[2]) / rays[:, 2])[:, None] * rays
         z = height(ground[:, 0], ground[:, 1])
     return np.where(plate[:, None], on_plate, ground), plate
@@ -66,7 +66,7 @@ def photograph(camera: Camera, rotation: Array, centre: Array, pictures: list[Ar
     y, x = np.mgrid[0:h, 0:w]
     pixels = np.stack([x.ravel(), y.ravel()], axis=1).astype(np.float64)
     for dx, dy in ((0, 0), (-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)):
-        rays = ray_from_pixel(camera, pixels + [dx, dy]) @ rotation
+        rays = ray_from_pixel(camera, pixels + np.array([dx, dy])) @ rotation
         points, plate = hit(centre, rays)
         if dx == 0:
             depth = ((points - centre) @ rotation[2]).reshape(h, w)
@@ -75,13 +75,17 @@ def photograph(camera: Camera, rotation: Array, centre: Array, pictures: list[Ar
             at = ((points[surface, :2] + 6.0) / 12.0 * picture.shape[0]).astype(np.float32)
             for start in range(0, len(at), 30000):  # remap has a limit of 32767 rows
                 part = at[start : start + 30000]
-                colour = cv2.remap(picture, part[:, None, :], None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP)
+                colour = cv2.remap(
+                    picture, part[:, None, :], None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP
+                )
                 index = np.flatnonzero(surface)[start : start + 30000]
                 total[index] += colour[:, 0] / 4.0
     return total.reshape(h, w, 3), depth
 
 
-def make_relief(width: int = 480, rows: int = 2, columns: int = 3, noise: float = 1.5, seed: int = 1) -> Relief:
+def make_relief(
+    width: int = 480, rows: int = 2, columns: int = 3, noise: float = 1.5, seed: int = 1
+) -> Relief:
     """Return a relief photographed from a grid of stations about 1.9 units apart, 10 units above it."""
     f = 1.05 * width
     h = width * 3 // 4
@@ -97,7 +101,9 @@ def make_relief(width: int = 480, rows: int = 2, columns: int = 3, noise: float 
     for row in range(rows):
         for column in range(columns):
             centre = np.array([(column - (columns - 1) / 2) * 1.9, (row - (rows - 1) / 2) * 1.9, DISTANCE])
-            rotation = look_at(centre, np.array([0.3 * centre[0], 0.3 * centre[1], 0.0]), np.array([0.05, 1.0, 0.0]))
+            rotation = look_at(
+                centre, np.array([0.3 * centre[0], 0.3 * centre[1], 0.0]), np.array([0.05, 1.0, 0.0])
+            )
             photo, depth = photograph(camera, rotation, centre, pictures)
             photo = np.clip(np.rint(photo + rng.normal(0.0, noise, photo.shape)), 0, 255)
             centres.append(centre)
@@ -110,7 +116,9 @@ def make_relief(width: int = 480, rows: int = 2, columns: int = 3, noise: float 
 
 def _block(camera: Camera, rotations: Array, centres: Array, rng: np.random.Generator) -> Block:
     ground = rng.uniform(-4.5, 4.5, (600, 2))
-    points, _ = hit(np.array([0.0, 0.0, DISTANCE]), np.column_stack([ground, np.zeros(600)]) - [0, 0, DISTANCE])
+    points, _ = hit(
+        np.array([0.0, 0.0, DISTANCE]), np.column_stack([ground, np.zeros(600)]) - [0, 0, DISTANCE]
+    )
     obs = []
     for photo, (rotation, centre) in enumerate(zip(rotations, centres, strict=True)):
         pixel = pixel_from_ray(camera, (points - centre) @ rotation.T)

@@ -43,9 +43,7 @@ class NearestParams(Params):
     source="Cloud to mesh, and cloud to local least-squares plane: Lague et al. 2013, section 2.2",
     learn="quality/distances",
 )
-def nearest(
-    cloud: Cloud, reference: Cloud | Mesh, params: NearestParams, *, run: Run
-) -> ComparisonResult:
+def nearest(cloud: Cloud, reference: Cloud | Mesh, params: NearestParams, *, run: Run) -> ComparisonResult:
     """Measure how far each cloud point is from the reference, positive on its outside.
 
     Parameters
@@ -72,7 +70,9 @@ def nearest(
     shift = (reference.vertices if isinstance(reference, Mesh) else reference.points).mean(axis=0)
     if isinstance(reference, Mesh):
         distances = mesh_distances(cloud.points - shift, reference.vertices - shift, reference.triangles, run)
-        how = Text("Distance from the nearest point of the reference mesh, positive on the outside of its triangles")
+        how = Text(
+            "Distance from the nearest point of the reference mesh, positive on the outside of its triangles"
+        )
     else:
         distances = plane_distances(cloud, reference, shift, params.plane_points, run)
         how = Text(
@@ -108,14 +108,14 @@ def mesh_distances(points: Array, vertices: Array, triangles: Array, run: Run) -
 
     scene = o3d.t.geometry.RaycastingScene()
     scene.add_triangles(
-        o3d.core.Tensor(np.ascontiguousarray(vertices, dtype=np.float32)),
-        o3d.core.Tensor(np.ascontiguousarray(triangles, dtype=np.uint32)),
+        o3d.core.Tensor.from_numpy(np.ascontiguousarray(vertices, dtype=np.float32)),
+        o3d.core.Tensor.from_numpy(np.ascontiguousarray(triangles, dtype=np.uint32)),
     )
     distances = np.empty(len(points))
     for start in range(0, len(points), CHUNK):
         run.check()
         part = points[start : start + CHUNK]
-        found = scene.compute_closest_points(o3d.core.Tensor(part.astype(np.float32)))
+        found = scene.compute_closest_points(o3d.core.Tensor.from_numpy(part.astype(np.float32)))
         away = part - found["points"].numpy().astype(np.float64)
         side = np.einsum("ij,ij->i", away, found["primitive_normals"].numpy().astype(np.float64))
         distances[start : start + CHUNK] = np.linalg.norm(away, axis=1) * np.where(side < 0.0, -1.0, 1.0)

@@ -96,14 +96,15 @@ def icp(
     if found.fitness < 0.05:
         raise UserError(
             Text("The cloud could not be registered to the reference."),
-            Text("Only {share:.1f} % of its points have a reference point within reach.", share=100 * found.fitness),
+            Text(
+                "Only {share:.1f} % of its points have a reference point within reach.",
+                share=100 * found.fitness,
+            ),
             Text("Georeference the block with control points first, or raise “Reach”."),
             "quality/registration",
         )
     turn, move = motion[:3, :3], motion[:3, 3]
-    return Similarity(
-        start.scale, turn @ start.rotation, turn @ (start.translation - shift) + move + shift
-    )
+    return Similarity(start.scale, turn @ start.rotation, turn @ (start.translation - shift) + move + shift)
 
 
 def _some(points: Array, most: int, rng: np.random.Generator) -> Array:
