@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from numbers import Integral
 
 THIN_SPACE = "\u2009"
 MINUS = "\u2212"
@@ -55,15 +56,15 @@ def format_number(value: float | None, sigma: float | None = None, digits: int =
         return f"{MINUS if value < 0 else ''}∞"
     if sigma is not None and math.isfinite(sigma) and sigma > 0:
         return group_thousands(_fixed(float(value), decimals_of_sigma(sigma)))
-    if isinstance(value, int):
-        return group_thousands(f"{value:d}")
+    if isinstance(value, Integral):
+        return group_thousands(f"{int(value):d}")
     return _significant(float(value), digits)
 
 
 def decimals_of_sigma(sigma: float) -> int:
     """Return the decimal places that show two significant digits of `sigma`; negative left of the point.
 
-    >>> decimals_of_sigma(0.4567), decimals_of_sigma(0.0999), decimals_of_sigma(0.0996), decimals_of_sigma(1234.0)
+    >>> decimals_of_sigma(0.4567), decimals_of_sigma(0.0999), decimals_of_sigma(0.0994), decimals_of_sigma(1234.0)
     (2, 2, 3, -2)
     """
     return 1 - int(f"{sigma:.1e}".split("e")[1])
@@ -83,8 +84,8 @@ def group_thousands(text: str) -> str:
 
 def _with_sigma(value: float, sigma: float) -> str:
     decimals = decimals_of_sigma(sigma)
-    if decimals > 6:  # a factor common to both keeps such numbers readable
-        exponent = math.floor(math.log10(max(abs(value), sigma)))
+    exponent = math.floor(math.log10(max(abs(value), sigma)))
+    if decimals > 6 and exponent < 0:  # a factor common to both keeps such numbers readable
         power = f"10{str(exponent).translate(_EXPONENT)}"
         scale = 10.0**-exponent
         inner = _with_sigma(value * scale, sigma * scale)

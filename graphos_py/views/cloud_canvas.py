@@ -66,6 +66,7 @@ class CloudCanvas(QWidget):
         self.empty = ("", "")
         self.layers: list[Callable[[QPainter], None]] = []
         self.fit_points: Callable[[], Array] = lambda: np.zeros((0, 3))
+        self.pivot_point: Callable[[], Array] = lambda: self.camera.target
         self._describe = describe
         self._image: QImage | None = None
         self._serial = 0
@@ -77,6 +78,7 @@ class CloudCanvas(QWidget):
         self._pressed = self._last = QPointF()
         self._dragging = False
         self._pan_depth: float | None = None
+        self._pivot: Array | None = None
         self._background = Background(self)
         self._rest = QTimer(self)
         self._rest.setSingleShot(True)
@@ -233,6 +235,8 @@ class CloudCanvas(QWidget):
         self._dragging = False
         hit = self.pick(event.position().x(), event.position().y(), 12)
         self._pan_depth = None if hit is None else hit[2]
+        at = (event.position().x(), event.position().y())
+        self._pivot = self.object_point(*at) if hit is not None else self.pivot_point()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Orbit, roll or pan."""
@@ -252,7 +256,7 @@ class CloudCanvas(QWidget):
         if event.modifiers() & Qt.KeyboardModifier.ShiftModifier:
             self.set_camera(self.camera.rolled(moved.x() * per_px))
         else:
-            self.set_camera(self.camera.orbited(moved.x() * per_px, moved.y() * per_px))
+            self.set_camera(self.camera.orbited(moved.x() * per_px, moved.y() * per_px, self._pivot))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """Tell a click, or the wish for a menu."""
@@ -282,7 +286,7 @@ class CloudCanvas(QWidget):
         elif key in (Qt.Key.Key_T, Qt.Key.Key_R):
             tilt = math.asin(float(np.clip(-camera.rotation[2] @ camera.up, -1, 1)))
             wanted = math.radians(89.0) if key == Qt.Key.Key_T else 0.0
-            self.set_camera(camera.orbited(0.0, wanted - tilt))
+            self.set_camera(camera.orbited(0.0, wanted - tilt, self.pivot_point()))
         elif key in (Qt.Key.Key_Plus, Qt.Key.Key_Equal):
             self.set_camera(camera.zoomed(1.25))
         elif key == Qt.Key.Key_Minus:
@@ -292,6 +296,8 @@ class CloudCanvas(QWidget):
             if event.modifiers() & Qt.KeyboardModifier.ShiftModifier:
                 self.set_camera(camera.panned(40 * right, 40 * down, *self.size_px()))
             else:
-                self.set_camera(camera.orbited(math.radians(8) * right, math.radians(8) * down))
+                self.set_camera(
+                    camera.orbited(math.radians(8) * right, math.radians(8) * down, self.pivot_point())
+                )
         else:
             super().keyPressEvent(event)

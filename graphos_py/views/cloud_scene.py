@@ -218,10 +218,15 @@ class CloudScene:
         return float(np.linalg.norm(self.box[1] - self.box[0])) or 1.0
 
     def corners(self) -> Array:
-        """Return what has to be in the picture: the corners of the box and the camera centres."""
+        """Return the corners (8, 3) of the box round the cloud."""
         choice = np.array(np.meshgrid([0, 1], [0, 1], [0, 1])).reshape(3, -1).T
-        box = np.take_along_axis(self.box, choice, axis=0)
-        return np.concatenate([box, self.centres]) if len(self.centres) else box
+        return np.take_along_axis(self.box, choice, axis=0)
+
+    def fit_points(self) -> Array:
+        """Return points (n, 3) that have to be in the picture: a sample of the cloud in its box, and the cameras."""
+        sample = self.points[:: max(len(self.points) // 3000, 1)]
+        inside = ((sample >= self.box[0]) & (sample <= self.box[1])).all(axis=1)
+        return np.concatenate([sample[inside], self.centres])
 
     def first_camera(self) -> ViewCamera:
         """Return the first sight: as the cameras look at the cloud, a little from above and from the side."""
@@ -241,7 +246,7 @@ class CloudScene:
         e1 = e1 - up * (e1 @ up)
         e1 /= np.linalg.norm(e1)
         e2 = np.cross(up, e1)
-        flat = self.corners()[:8]
+        flat = self.corners()
         foot = float((flat @ up).min()) * up
         spans = [
             (math.floor((flat @ e).min() / step) * step, math.ceil((flat @ e).max() / step) * step)

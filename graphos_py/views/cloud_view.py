@@ -58,7 +58,8 @@ class CloudView(QWidget):
         self._prepared_mode = ""
         self._dense = False
         self.canvas = CloudCanvas(self._describe, self)
-        self.canvas.fit_points = lambda: self.scene.corners() if self._filled() else np.zeros((0, 3))
+        self.canvas.fit_points = lambda: self.scene.fit_points()
+        self.canvas.pivot_point = lambda: self.scene.box.mean(axis=0)
         self.canvas.empty = (
             self.tr("Here you will see the object in space, and where the photos were taken"),
             self.tr("Run the adjustment, or open a point cloud."),
@@ -203,7 +204,9 @@ class CloudView(QWidget):
     def _first_sight(self) -> None:
         if not self.canvas.touched and self._filled():
             camera = self.scene.first_camera()
-            self.canvas.set_camera(camera.fitted(self.scene.corners(), *self.canvas.size_px()), touched=False)
+            self.canvas.set_camera(
+                camera.fitted(self.scene.fit_points(), *self.canvas.size_px()), touched=False
+            )
         else:
             self.canvas.refresh()
 

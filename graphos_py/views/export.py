@@ -52,7 +52,7 @@ def write_png(widget: QWidget, path: Path, scale: float = 2.0) -> None:
     image = QImage(size, QImage.Format.Format_RGB32)
     image.setDevicePixelRatio(scale)
     widget.render(image)
-    if not image.save(str(path), b"PNG"):
+    if not image.save(str(path)):
         raise OSError(tr("The file {path} could not be written.").format(path=path))
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import sys
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,25 +14,32 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from graphos_core.data.record import Array
 from graphos_core.number_format import format_value
+from graphos_py.views.background import Background
 from graphos_py.views.export import Writer, export_menu, write_csv, write_png, write_svg
 from graphos_py.views.painting import is_dark, paint_empty_state
 
 LIGHT_SERIES = ("#1f6fc4", "#b35900", "#2b8a57", "#8a3fa0", "#b0303c", "#5d6670")
 DARK_SERIES = ("#5aa7f0", "#f0a050", "#5cc48c", "#c58ad8", "#f07a84", "#a7b0b9")
 
+Axes = tuple[str, str, str, str]
+"""Label and unit of x, label and unit of y."""
+
 
 class PlotView(QWidget):
     """One plot at a time; each `show_…` call replaces the last.
 
-    The plotting library is imported by the first call, not with the window.
+    The plotting library is imported in the background by the first call, not with the window.
 
     Signals
     -------
     point_clicked(index)
         Index of the point of a scatter or line plot that was clicked.
+    drawn()
+        The plot is on the screen.
     """
 
     point_clicked = Signal(int)
+    drawn = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -39,7 +47,9 @@ class PlotView(QWidget):
         self.plot: Any = None
         self._header: list[str] = []
         self._columns: list[Array] = []
-        self._again: Any = None
+        self._drawing: Callable[[], None] | None = None
+        self._title = ""
+        self._background = Background(self)
         self._empty = (self.tr("Here you will see a plot"), self.tr("Run this step to draw it."))
         self._box = QVBoxLayout(self)
         self._box.setContentsMargins(0, 0, 0, 0)
@@ -53,7 +63,7 @@ class PlotView(QWidget):
 
     def clear(self) -> None:
         """Show the empty state."""
-        self._again = None
+        self._drawing = None
         self._header, self._columns = [], []
         if self.plot is not None:
             self.plot.hide()
@@ -83,10 +93,12 @@ class PlotView(QWidget):
         """
         values = np.asarray(values, np.float64).ravel()
         values = values[np.isfinite(values)]
-        self._start(lambda: self.show_histogram(values, label, unit, bins, title, normal), title)
         if not len(values):
             self.clear()
             return
+        self._show(lambda: self._draw_histogram(values, label, unit, bins, normal), title)
+
+    def _draw_histogram(self, values: Array, label: str, unit: str, bins: int | None, normal: bool) -> None:
         counts, edges = np.histogram(values, bins=bins or _bin_edges(values))
         middle, width = 0.5 * (edges[1:] + edges[:-1]), edges[1] - edges[0]
         pg = _pyqtgraph()
@@ -127,7 +139,10 @@ class PlotView(QWidget):
     ) -> None:
         """Show series over x; `log_y` for traces of an iteration, where figures ≤ 0 are left out."""
         x = np.asarray(x, np.float64)
-        self._start(lambda: self.show_lines(x, series, x_label, y_label, x_unit, y_unit, log_y, title), title)
+        axes = (x_label, x_unit, y_label, y_unit)
+        self._show(lambda: self._draw_lines(x, series, axes, log_y), title)
+
+    def _draw_lines(self, x: Array, series: dict[str, Array], axes: Axes, log_y: bool) -> None:
         self.plot.setLogMode(False, log_y)
         for i, (name, values) in enumerate(series.items()):
             y = np.asarray(values, np.float64)
@@ -138,9 +153,9 @@ class PlotView(QWidget):
                 symbolBrush=self._colour(i), symbolPen=None, connect="finite",
             )  # fmt: skip
             item.scatter.sigClicked.connect(self._on_points)
-        self._axes(x_label, x_unit, y_label, y_unit)
-        units = [f"{name} [{y_unit}]" for name in series]
-        self._keep([f"{x_label} [{x_unit}]", *units], [x, *(np.asarray(v) for v in series.values())])
+        self._axes(*axes)
+        units = [f"{name} [{axes[3]}]" for name in series]
+        self._keep([f"{axes[0]} [{axes[1]}]", *units], [x, *(np.asarray(v) for v in series.values())])
 
     def show_scatter(
         self,
@@ -155,7 +170,10 @@ class PlotView(QWidget):
     ) -> None:
         """Show points; `equal` gives both axes the same scale."""
         x, y = np.asarray(x, np.float64), np.asarray(y, np.float64)
-        self._start(lambda: self.show_scatter(x, y, x_label, y_label, x_unit, y_unit, equal, title), title)
+        axes = (x_label, x_unit, y_label, y_unit)
+        self._show(lambda: self._draw_scatter(x, y, axes, equal), title)
+
+    def _draw_scatter(self, x: Array, y: Array, axes: Axes, equal: bool) -> None:
         colour = self._colour(0)
         colour.setAlpha(230 if len(x) < 500 else 110)
         item = _pyqtgraph().ScatterPlotItem(
@@ -164,8 +182,8 @@ class PlotView(QWidget):
         item.sigClicked.connect(self._on_points)
         self.plot.addItem(item)
         self.plot.setAspectLocked(equal)
-        self._axes(x_label, x_unit, y_label, y_unit)
-        self._keep([f"{x_label} [{x_unit}]", f"{y_label} [{y_unit}]"], [x, y])
+        self._axes(*axes)
+        self._keep([f"{axes[0]} [{axes[1]}]", f"{axes[2]} [{axes[3]}]"], [x, y])
 
     def show_bars(
         self,
@@ -178,7 +196,11 @@ class PlotView(QWidget):
     ) -> None:
         """Show a bar per name, with whiskers of one standard deviation where there are any."""
         heights = np.asarray(values, np.float64)
-        self._start(lambda: self.show_bars(names, heights, label, unit, sigmas, title), title)
+        self._show(lambda: self._draw_bars(names, heights, label, unit, sigmas), title)
+
+    def _draw_bars(
+        self, names: Sequence[str], heights: Array, label: str, unit: str, sigmas: Array | None
+    ) -> None:
         pg, x = _pyqtgraph(), np.arange(len(heights), dtype=np.float64)
         self.plot.addItem(pg.BarGraphItem(x=x, height=heights, width=0.7, brush=self._colour(0), pen=None))
         if sigmas is not None:
@@ -195,7 +217,23 @@ class PlotView(QWidget):
 
     # theme and export
 
-    def _start(self, again: Any, title: str) -> None:
+    def _show(self, draw: Callable[[], None], title: str) -> None:
+        """Draw now, or as soon as the plotting library is there."""
+        self._drawing, self._title = draw, title
+        if plots_ready():
+            self.draw_now()
+            return
+        self.update()
+        self._background.run(preload_plots, lambda _: self.draw_now() if plots_ready() else None)
+
+    def draw_now(self) -> None:
+        """Draw at once, importing the plotting library if need be, for screenshots."""
+        if self._drawing is not None:
+            self._start(self._title)
+            self._drawing()
+            self.drawn.emit()
+
+    def _start(self, title: str) -> None:
         """Begin an empty plot in the present theme."""
         pg = _pyqtgraph()
         if self.plot is None:
@@ -204,7 +242,6 @@ class PlotView(QWidget):
             self.plot.hideButtons()
             self.plot.setFocusPolicy(Qt.FocusPolicy.NoFocus)
             self._box.addWidget(self.plot)
-        self._again = None
         self.plot.show()
         self.plot.clear()
         self.plot.setLogMode(False, False)
@@ -229,7 +266,6 @@ class PlotView(QWidget):
         ground.setAlpha(220)
         item.addLegend(offset=(-12, 12), brush=ground, labelTextColor=ink)
         self.plot.enableAutoRange()
-        self._again = again
 
     def _axes(self, x_label: str, x_unit: str, y_label: str, y_unit: str) -> None:
         style = {"color": self.palette().color(QPalette.ColorRole.Text).name()}
@@ -274,12 +310,12 @@ class PlotView(QWidget):
     def changeEvent(self, event: object) -> None:
         """Follow the theme."""
         super().changeEvent(event)  # type: ignore[arg-type]
-        if self._again is not None:
-            self._again()
+        if self._drawing is not None and plots_ready():
+            self.draw_now()
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         """Offer exports."""
-        if self._again is not None:
+        if self._drawing is not None:
             export_menu(self, self.exports()).exec(event.globalPos())
 
     def exports(self) -> dict[str, Writer]:
@@ -296,10 +332,22 @@ class PlotView(QWidget):
 
     def paintEvent(self, event: QPaintEvent) -> None:
         """Paint the empty state."""
-        if self._again is None:
+        if self._drawing is None or not plots_ready():
+            waiting = (self.tr("Preparing the plot…"), "")
             painter = QPainter(self)
             painter.fillRect(self.rect(), self.palette().color(QPalette.ColorRole.Base))
-            paint_empty_state(painter, self.rect(), self.palette(), *self._empty)
+            text = self._empty if self._drawing is None else waiting
+            paint_empty_state(painter, self.rect(), self.palette(), *text)
+
+
+def plots_ready() -> bool:
+    """Return whether the plotting library is imported."""
+    return "pyqtgraph" in sys.modules and hasattr(sys.modules["pyqtgraph"], "PlotWidget")
+
+
+def preload_plots() -> None:
+    """Import the plotting library; the window calls this in a thread after its first paint."""
+    _pyqtgraph()
 
 
 def _pyqtgraph() -> Any:

@@ -74,8 +74,12 @@ class ViewCamera:
         local = depth * np.array([(x - 0.5 * (width - 1)) / f, (y - 0.5 * (height - 1)) / f, 1.0])
         return self.centre + self.rotation.T @ local
 
-    def orbited(self, right: float, down: float) -> ViewCamera:
-        """Turn about the target: `right` about the upright direction, `down` about the picture's x axis, radians."""
+    def orbited(self, right: float, down: float, about: Array | None = None) -> ViewCamera:
+        """Turn about a point (default: the target), which keeps its place in the picture.
+
+        `right` turns about the upright direction and `down` about the picture's x axis, in radians; what lies in
+        front of the point follows a drag to the right and down. The view never tips over the zenith.
+        """
         tilt = math.asin(
             float(np.clip(-self.rotation[2] @ self.up, -1.0, 1.0))
         )  # elevation above the horizon
@@ -83,7 +87,10 @@ class ViewCamera:
         down = min(max(tilt + down, -limit), limit) - tilt if abs(tilt) <= limit else 0.0
         about_up = matrix_from_vector(right * self.up)
         about_x = matrix_from_vector(np.array([down, 0.0, 0.0]))
-        return replace(self, rotation=_orthonormal(about_x @ self.rotation @ about_up))
+        rotation = _orthonormal(about_x @ self.rotation @ about_up)
+        pivot = self.target if about is None else np.asarray(about, dtype=np.float64)
+        target = pivot + rotation.T @ self.rotation @ (self.target - pivot)
+        return replace(self, rotation=rotation, target=target)
 
     def rolled(self, angle: float) -> ViewCamera:
         """Turn about the viewing direction by `angle` radians, clockwise on the screen; `up` turns along."""

@@ -19,6 +19,8 @@ EMPTY = np.uint64(0xFFFFFFFFFFFFFFFF)
 LOW = np.uint64(0xFFFFFFFF)
 SHIFT = np.uint64(32)
 MAX_SPLAT = 24
+EDGE_GAIN = np.float32(22.0)
+DARKEST = np.float32(0.3)
 
 
 @njit(cache=True, nogil=True)
@@ -113,8 +115,9 @@ def shade(
 ) -> None:
     """Colour the pixels of rows first to last, darker where a neighbour is nearer.
 
-    Eye-dome lighting (Boucheny 2009), with relative depth differences in place of their logarithm:
-    ``exp(−strength · Σ max(0, z − zₙ)/z)`` over four neighbours at one and four at two px.
+    Eye-dome lighting (Boucheny 2009), with relative depth differences in place of their logarithm;
+    with d = gain · strength · Σ max(0, z − zₙ)/z over four neighbours at one and four at two px, the light is
+    ``exp(−d)``, to second order ``1/(1 + d + d²/2)``, and not below `DARKEST`.
 
     Parameters
     ----------
@@ -146,9 +149,9 @@ def shade(
                         fall += max(np.float32(0.0), z - _depth(keys[y, x - r]))
                     if x + r < width:
                         fall += max(np.float32(0.0), z - _depth(keys[y, x + r]))
-                drop = fall / z * np.float32(strength)
+                drop = fall / z * np.float32(strength) * EDGE_GAIN
                 light = np.float32(1.0) / (np.float32(1.0) + drop + np.float32(0.5) * drop * drop)
-                k = np.uint32(light * np.float32(256.0))
+                k = np.uint32(max(light, DARKEST) * np.float32(256.0))
                 red = ((colour >> np.uint32(16)) & np.uint32(255)) * k >> np.uint32(8)
                 green = ((colour >> np.uint32(8)) & np.uint32(255)) * k >> np.uint32(8)
                 blue = (colour & np.uint32(255)) * k >> np.uint32(8)
