@@ -23,7 +23,7 @@ MODEL = CameraModel(
 )
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def kernel(
     values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
 ) -> bool:
@@ -33,8 +33,9 @@ def kernel(
     f = values[0]
     k1 = values[3]
     k2 = values[4]
-    u = x / z
-    v = y / z
+    w = 1.0 / z
+    u = x * w
+    v = y * w
     r2 = u * u + v * v
     d = 1.0 + r2 * (k1 + r2 * k2)
     pixel[0] = f * u * d + values[1]
@@ -43,12 +44,12 @@ def kernel(
     uu = f * (d + u * u * slope)
     uv = f * u * v * slope
     vv = f * (d + v * v * slope)
-    d_point[0, 0] = uu / z
-    d_point[0, 1] = uv / z
-    d_point[0, 2] = -(uu * u + uv * v) / z
-    d_point[1, 0] = uv / z
-    d_point[1, 1] = vv / z
-    d_point[1, 2] = -(uv * u + vv * v) / z
+    d_point[0, 0] = uu * w
+    d_point[0, 1] = uv * w
+    d_point[0, 2] = -(uu * u + uv * v) * w
+    d_point[1, 0] = uv * w
+    d_point[1, 1] = vv * w
+    d_point[1, 2] = -(uv * u + vv * v) * w
     d_values[0, 0] = u * d
     d_values[1, 0] = v * d
     d_values[0, 1] = 1.0

@@ -24,7 +24,7 @@ MODEL = CameraModel(
 )
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def kernel(
     values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
 ) -> bool:
@@ -32,16 +32,17 @@ def kernel(
     if z <= 0.0:
         return False
     f = values[0]
-    u = x / z
-    v = y / z
+    w = 1.0 / z
+    u = x * w
+    v = y * w
     pixel[0] = f * u + values[1]
     pixel[1] = f * v + values[2]
-    d_point[0, 0] = f / z
+    d_point[0, 0] = f * w
     d_point[0, 1] = 0.0
-    d_point[0, 2] = -f * u / z
+    d_point[0, 2] = -f * u * w
     d_point[1, 0] = 0.0
-    d_point[1, 1] = f / z
-    d_point[1, 2] = -f * v / z
+    d_point[1, 1] = f * w
+    d_point[1, 2] = -f * v * w
     d_values[0, 0] = u
     d_values[1, 0] = v
     d_values[0, 1] = 1.0

@@ -90,7 +90,7 @@ def minimise(system: ReducedSystem, max_iterations: int, tolerance: float, *, ru
             gain = (cost - moved.cost) / max(moved.predicted, 1e-300)
             damping = max(damping * max(1.0 / 3.0, 1.0 - (2.0 * gain - 1.0) ** 3), SMALLEST_DAMPING)
             growth = 2.0
-            scene = moved.scene
+            scene, cost = moved.scene, moved.cost
         else:
             damping *= growth
             growth *= 2.0

@@ -157,12 +157,13 @@ class ReducedSystem:
         """Return the scene moved by `step`, its points by back-substitution."""
         layout = self.problem.layout
         moved = Scene(*(np.empty_like(part) for part in scene))
-        kernels.move_photos(scene, layout, step, moved)
+        shift = np.zeros((len(layout.pose), 3))
+        kernels.move_photos(scene, layout, step, moved, shift)
 
         def one(chunk: int) -> Array:
             totals = np.zeros(7)
             span = self.problem.chunks[chunk]
-            kernels.substitute(scene, layout, self.rules, damping, span, step, moved, totals)
+            kernels.substitute(scene, layout, self.rules, damping, span, step, shift, moved, totals)
             return totals
 
         totals = sum(self.each_chunk(one))
