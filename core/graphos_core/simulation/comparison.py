@@ -118,7 +118,7 @@ def surface_errors(points: Array, mesh: Mesh) -> SurfaceErrors:
     import open3d as o3d
 
     caster = ray_caster(mesh.vertices, mesh.triangles)
-    query = o3d.core.Tensor(np.ascontiguousarray(points, dtype=np.float32))
+    query = o3d.core.Tensor.from_numpy(np.ascontiguousarray(points, dtype=np.float32))
     distances = caster.compute_distance(query).numpy().astype(np.float64)
     median, q90 = np.quantile(distances, [0.5, 0.9]) if len(distances) else (np.nan, np.nan)
     return SurfaceErrors(distances=distances, median_m=float(median), q90_m=float(q90))

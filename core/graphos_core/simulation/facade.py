@@ -49,7 +49,8 @@ def _base() -> list[Patch]:
     for step in range(3):  # steps over the whole width
         z = 0.16 * step
         reach = 1.75 - 0.33 * step
-        patches += box((-6.6 + 0.2 * step, -reach, z), (6.6 - 0.2 * step, 0.0, z + 0.16), stone, "fulr")
+        slabs = Finish(ASHLAR, 40 + step, 1.0)
+        patches += box((-6.6 + 0.2 * step, -reach, z), (6.6 - 0.2 * step, 0.0, z + 0.16), slabs, "fulr")
     ashlar = Finish(ASHLAR, weather=0.9)
     for x0, x1 in ((-6.12, -1.3), (1.3, 6.12)):
         patches += box((x0, -0.14, FLOOR), (x1, 0.0, PLINTH - 0.1), ashlar, "flr")

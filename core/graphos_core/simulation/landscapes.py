@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from graphos_core.data.record import Array
-from graphos_core.simulation.patches import Finish, Patch, box, curved
+from graphos_core.simulation.patches import Finish, box, curved, plane
 from graphos_core.simulation.scene import Design
-from graphos_core.simulation.texture_kernels import ASHLAR, BRICK, GROUND, PAVING, STATUE, octaves
+from graphos_core.simulation.texture_kernels import ASHLAR, BRICK, GROUND, PAVING, PLASTER, STATUE, octaves
 
 
 def relief(x: Array, y: Array, seed: int, *, scale: float, height: float) -> Array:
@@ -28,14 +28,25 @@ def terrain(seed: int) -> Design:
     for k in range(14):
         cx, cy = rng.uniform(-24, 24), rng.uniform(-18, 18)
         w, d, h = rng.uniform(1.5, 4.0), rng.uniform(1.5, 4.0), rng.uniform(0.8, 3.0)
-        material = (BRICK, ASHLAR, PAVING)[k % 3]
-        patches += box((cx, cy, -3.0), (cx + w, cy + d, h), Finish(material, k, 0.5, 2.0), "fbulr")
+        material = (BRICK, ASHLAR)[k % 2]
+        patches += box((cx, cy, -3.0), (cx + w, cy + d, h), Finish(material, k, 0.5, 2.0), "fblr")
+        patches += box(
+            (cx - 0.2, cy - 0.2, h),
+            (cx + w + 0.2, cy + d + 0.2, h + 0.1),
+            Finish(PLASTER, k, 0.9, 2.0),
+            "fblru",
+        )
     return Design(patches, np.zeros(3))
 
 
 def statue(seed: int) -> Design:
-    """Return a body of about 1 m: a sphere as six cube faces, pushed out by multi-octave noise; middle at the origin."""
-    patches: list[Patch] = []
+    """Return a boulder of 1 m radius on a pedestal on paved ground; middle of the boulder at the origin.
+
+    The boulder is a sphere as six cube faces, pushed out by multi-octave noise.
+    """
+    patches = box((-0.6, -0.6, -2.0), (0.6, 0.6, -0.9), Finish(ASHLAR, 1, 0.7, 1.5), "fblru")
+    ground = np.array([-7.0, -7.0, -2.0]), np.array([14.0, 0.0, 0.0]), np.array([0.0, 14.0, 0.0])
+    patches.append(plane(*ground, Finish(PAVING, 2, 0.6, 3.0)))
     step = np.linspace(-1.0, 1.0, 65)
     a, b = np.meshgrid(np.tan(step * np.pi / 4), np.tan(step * np.pi / 4))
     one = np.ones_like(a)

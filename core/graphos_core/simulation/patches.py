@@ -9,6 +9,8 @@ import numpy as np
 
 from graphos_core.data.record import Array
 
+Point = tuple[float, float, float]
+
 
 @dataclass(frozen=True)
 class Patch:
@@ -116,7 +118,7 @@ def plane(
                  coarse=finish.coarse)  # fmt: skip
 
 
-def box(low: Array, high: Array, finish: Finish, faces: str = "fudlr") -> list[Patch]:
+def box(low: Point, high: Point, finish: Finish, faces: str = "fudlr") -> list[Patch]:
     """Return faces of a box from `low` to `high`: f(ront, −y), b(ack), u(p), d(own), l(eft, −x), r(ight)."""
     (x0, y0, z0), (x1, y1, z1) = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
     x, y, z = np.diag([x1 - x0, y1 - y0, z1 - z0])

@@ -22,8 +22,7 @@ from graphos_core.simulation.renderer import (
     expose,
     jpeg_bytes,
     ray_grid,
-    render_depth,
-    render_light,
+    render,
 )
 from graphos_core.simulation.scene import Scene, build_scene
 from graphos_core.simulation.targets import MARGIN, NUMBER_HEIGHT
@@ -180,8 +179,8 @@ def _take(
 ) -> float:
     """Take one photo and write it with its depth; the median depth, m (NaN when it sees only sky)."""
     rotation, centre = stations.rotations[i], stations.centres[i]
-    photo = expose(render_light(scene, grid, rotation, centre, run), grid, sensor, rng)
-    depth = render_depth(scene, grid, rotation, centre)
+    light, depth = render(scene, grid, rotation, centre, run)
+    photo = expose(light, grid, sensor, rng)
     buffer = io.BytesIO()
     np.savez(buffer, depth=depth)
     write_bytes(out / "truth" / "depth" / f"{Path(name).stem}.npz", buffer.getvalue())
@@ -243,7 +242,7 @@ def _write_control(
         return
     points = io.StringIO()
     table = csv.writer(points, lineterminator="\n")
-    table.writerow(["name", "x", "y", "z", "role"])
+    table.writerow(["name", "x [m]", "y [m]", "z [m]", "role"])
     for target in scene.targets:
         table.writerow(
             [target.name, *(f"{v:.6f}" for v in target.xyz), "check" if target.check else "control"]
@@ -251,7 +250,7 @@ def _write_control(
     write_text(out / "control.csv", points.getvalue())
     measured = io.StringIO()
     table = csv.writer(measured, lineterminator="\n")
-    table.writerow(["photo", "name", "x", "y"])
+    table.writerow(["photo", "name", "x [px]", "y [px]"])
     rng = np.random.default_rng([seed, 1_000_003])
     for i, name in enumerate(names):
         pixels, seen = visible_targets(scene, camera, stations.rotations[i], stations.centres[i])

@@ -15,10 +15,18 @@ from graphos_core.data.record import Array
 from graphos_core.errors import UserError
 from graphos_core.params import About, Params
 from graphos_core.run import Run
-from graphos_core.simulation.light_kernels import expose_light, make_rays, shade_rays
+from graphos_core.simulation.render_kernels import (
+    SEVERAL,
+    classify,
+    expose_light,
+    fine_rays,
+    make_rays,
+    shade_plain,
+    shade_rays,
+)
 from graphos_core.simulation.scene import Scene
 
-ROW_BLOCK = 96
+ROW_BLOCK, PIXEL_BLOCK = 384, 100_000
 
 
 class SensorParams(Params):
@@ -109,10 +117,13 @@ def _directions(camera: Camera, x: Array, y: Array) -> Array:
     return ray_from_pixel(camera, pixels.reshape(-1, 2)).reshape(*pixels.shape[:2], 3)
 
 
-def render_light(
+def render(
     scene: Scene, grid: RayGrid, rotation: Array, centre: Array, run: Run | None = None
-) -> Array:
-    """Return the light at the lens, linear float32 (h, w, 3), without vignetting and noise.
+) -> tuple[Array, Array]:
+    """Render one view.
+
+    The rays of the pixel centres give the depth. Where a pixel and its neighbours see one continuous surface, each of
+    its subpixel rays is met with the plane of the pixel's own triangle; all other subpixel rays are cast.
 
     Parameters
     ----------
@@ -121,47 +132,58 @@ def render_light(
     rotation, centre : float64 (3, 3), (3,)
         ``cam_from_world`` and projection centre, m.
     run : Run, optional
-        Asked between blocks of rows whether to stop.
+        Asked now and then whether to stop.
+
+    Returns
+    -------
+    light : float32 (h, w, 3)
+        Linear light at the lens, without vignetting and noise.
+    depth : float32 (h, w)
+        z of the pixel's centre in the camera frame, m; NaN for the sky.
 
     Raises
     ------
     Stopped
     """
-    camera, side = grid.camera, grid.side
-    out = np.empty((camera.height, camera.width, 3), np.float32)
-    spacing = 1.0 / (camera.focal_px * side)
-    for first in range(0, camera.height, ROW_BLOCK):
-        if run is not None:
-            run.check()
-        last = min(first + ROW_BLOCK, camera.height)
-        rays, hit = _cast(scene, grid.fine[first * side : last * side], rotation, centre)
-        shade_rays(
-            rays, spacing, hit["t_hit"], hit["primitive_ids"], hit["primitive_uvs"],
-            hit["primitive_normals"], scene.corner_st, scene.patch_of_triangle, scene.texels, scene.table,
-            scene.texel_of_patch, side, camera.width, out[first:last],
-        )  # fmt: skip
-    return out
-
-
-def render_depth(scene: Scene, grid: RayGrid, rotation: Array, centre: Array) -> Array:
-    """Return the depth of every pixel's centre: z in the camera frame, m, float32 (h, w); NaN for the sky."""
     camera = grid.camera
-    depth = np.empty((camera.height, camera.width), np.float32)
-    for first in range(0, camera.height, 4 * ROW_BLOCK):
-        last = min(first + 4 * ROW_BLOCK, camera.height)
-        _, hit = _cast(scene, grid.centre[first:last], rotation, centre)
-        depth[first:last] = hit["t_hit"].reshape(last - first, camera.width)
+    rotation, centre = np.ascontiguousarray(rotation), np.ascontiguousarray(centre)
+    shape, pixel = (camera.height, camera.width), 1.0 / camera.focal_px
+    depth, primitive = np.empty(shape, np.float32), np.empty(shape, np.uint32)
+    for first in range(0, camera.height, ROW_BLOCK):
+        (run or Run()).check()
+        rows = slice(first, first + ROW_BLOCK)
+        local = grid.centre[rows]
+        rays = np.empty((local.shape[0] * local.shape[1], 6), np.float32)
+        make_rays(local, rotation, centre, rays)
+        hit = _cast(scene, rays)
+        depth[rows], primitive[rows] = (
+            hit[key].reshape(local.shape[:2]) for key in ("t_hit", "primitive_ids")
+        )
+    kind, light = np.empty(shape, np.uint8), np.empty((*shape, 3), np.float32)
+    planes, gradients = scene.planes
+    tiles = (scene.patch_of_triangle, scene.texels, scene.table, scene.texel_of_patch)
+    classify(grid.centre, rotation, centre, depth, primitive, planes, scene.patch_of_triangle, pixel, kind)
+    shade_plain(grid.fine, rotation, centre, kind, primitive, planes, gradients, *tiles, pixel, light)
+    several = np.argwhere(kind == SEVERAL)
+    for first in range(0, len(several), PIXEL_BLOCK):
+        (run or Run()).check()
+        where = several[first : first + PIXEL_BLOCK]
+        rays = np.empty((len(where) * grid.side**2, 6), np.float32)
+        fine_rays(grid.fine, rotation, centre, where, rays)
+        hit = _cast(scene, rays)
+        shade_rays(
+            rays, hit["t_hit"], hit["primitive_ids"], hit["primitive_uvs"], hit["primitive_normals"], where,
+            scene.corner_st, *tiles, pixel, light,
+        )  # fmt: skip
     depth[~np.isfinite(depth)] = np.nan
-    return depth
+    return light, depth
 
 
-def _cast(scene: Scene, local: Array, rotation: Array, centre: Array) -> tuple[Array, dict[str, Array]]:
+def _cast(scene: Scene, rays: Array) -> dict[str, Array]:
     import open3d as o3d
 
-    rays = np.empty((local.shape[0] * local.shape[1], 6), np.float32)
-    make_rays(local, np.ascontiguousarray(rotation), np.ascontiguousarray(centre), rays)
     hit = scene.caster.cast_rays(o3d.core.Tensor.from_numpy(rays))
-    return rays, {key: value.numpy() for key, value in hit.items()}
+    return {key: value.numpy() for key, value in hit.items()}
 
 
 def expose(light: Array, grid: RayGrid, sensor: SensorParams, rng: np.random.Generator) -> Array:

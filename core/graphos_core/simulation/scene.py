@@ -81,6 +81,23 @@ class Scene:
         return Mesh(vertices=self.vertices, triangles=self.triangles, unit="m")
 
     @cached_property
+    def planes(self) -> tuple[Array, Array]:
+        """Planes float64 (f, 4) as ``n · X = n₄``, and the shares (s, t) of the tile float64 (f, 2, 4) affine in X."""
+        corners = self.vertices[self.triangles]
+        a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        normals = np.cross(a, b)
+        square = np.maximum((normals**2).sum(axis=1, keepdims=True), 1e-30)
+        # u = (b × n) · (X − X₀) / n², v = (n × a) · (X − X₀) / n² are the barycentric coordinates
+        u, v = np.cross(b, normals) / square, np.cross(normals, a) / square
+        st = self.corner_st.astype(np.float64)
+        du, dv = st[:, 1] - st[:, 0], st[:, 2] - st[:, 0]
+        slopes = du[:, :, None] * u[:, None, :] + dv[:, :, None] * v[:, None, :]
+        constant = st[:, 0] - np.einsum("fkc,fc->fk", slopes, corners[:, 0])
+        normals = normals / np.sqrt(square)
+        planes = np.column_stack([normals, (normals * corners[:, 0]).sum(axis=1)])
+        return planes, np.ascontiguousarray(np.concatenate([slopes, constant[:, :, None]], axis=2))
+
+    @cached_property
     def caster(self) -> Any:
         """Open3D's `RaycastingScene` of the mesh."""
         return ray_caster(self.vertices, self.triangles)
@@ -92,11 +109,11 @@ def ray_caster(vertices: Array, triangles: Array) -> Any:
 
     caster = o3d.t.geometry.RaycastingScene()
     caster.add_triangles(
-        o3d.core.Tensor(np.ascontiguousarray(vertices, dtype=np.float32)),
-        o3d.core.Tensor(np.ascontiguousarray(triangles, dtype=np.uint32)),
+        o3d.core.Tensor.from_numpy(np.ascontiguousarray(vertices, dtype=np.float32)),
+        o3d.core.Tensor.from_numpy(np.ascontiguousarray(triangles, dtype=np.uint32)),
     )
     caster.test_occlusions(
-        o3d.core.Tensor.zeros((1, 6))
+        o3d.core.Tensor.from_numpy(np.ones((1, 6), np.float32))
     )  # builds the tree now: later calls may come from threads
     return caster
 

@@ -192,8 +192,14 @@ def _statue(s: float, t: float, seed: int) -> tuple[float, float, float, float]:
     broad = octaves(2.1 * s, 2.1 * t, seed + 81, 5, 0.75)
     fine = octaves(27.0 * s, 27.0 * t, seed + 82, 6, 0.9)
     vein = _smooth(0.09, 0.0, abs(octaves(3.0 * s, 3.0 * t, seed + 83, 5, 0.6)))
-    tone = 1.0 + 0.18 * broad + 0.20 * fine - 0.45 * vein
-    return 0.44 * tone, 0.41 * tone, 0.36 * tone, 0.001 * fine
+    spots = _smooth(0.35, 0.75, octaves(16.0 * s, 16.0 * t, seed + 84, 3, 0.7))
+    tone = 1.0 + 0.28 * broad + 0.24 * fine - 0.5 * vein - 0.4 * spots
+    return (
+        (0.34 + 0.04 * broad) * tone,
+        0.30 * tone,
+        (0.25 - 0.03 * broad) * tone,
+        0.0015 * fine - 0.002 * vein,
+    )
 
 
 @njit(cache=True, nogil=True)

@@ -100,7 +100,10 @@ def _lattice(patch: Patch, normals: Array, spacing: float) -> tuple[Array, Array
         return out.reshape(-1, 3)
 
     normal = _unit(mix(normals))
-    return mix(patch.grid) + 0.004 * normal, normal, shape
+    # the bilinear lattice stands off the triangles between its knots: start above both
+    cell = min(np.diff(patch.s_knots).max(), np.diff(patch.t_knots).max())
+    lift = 0.004 if patch.grid.shape[:2] == (2, 2) else max(0.004, 0.08 * float(cell))
+    return mix(patch.grid) + lift * normal, normal, shape
 
 
 def _sun(patch: Patch, normals: Array, spacing: float, caster: Any, sun: Array) -> Array:

@@ -31,10 +31,9 @@ def project_inside(camera: Camera, rotation: Array, centre: Array, points: Array
     """
     local = (np.asarray(points) - centre) @ np.asarray(rotation).T
     pixels = pixel_from_ray(camera, local)
+    limit = np.array([camera.width - 0.5, camera.height - 0.5])
     with np.errstate(invalid="ignore"):
-        inside = (pixels >= -0.5).all(axis=1) & (pixels < [camera.width - 0.5, camera.height - 0.5]).all(
-            axis=1
-        )
+        inside: Array = np.asarray(((pixels >= -0.5) & (pixels < limit)).all(axis=1))
     back = ray_from_pixel(camera, pixels[inside])
     true = local[inside]
     with np.errstate(invalid="ignore"):
@@ -68,6 +67,6 @@ def unobstructed(caster: Any, points: Array, normals: Array, centre: Array, *, l
     rays = np.empty((len(points), 6), np.float32)
     start = np.asarray(points) + lift * np.asarray(normals)
     rays[:, :3], rays[:, 3:] = start, np.asarray(centre) - start
-    blocked = caster.test_occlusions(o3d.core.Tensor(rays), 0.0, 1.0).numpy()
+    blocked = caster.test_occlusions(o3d.core.Tensor.from_numpy(rays), 0.0, 1.0).numpy()
     result: Array = ~blocked
     return result
