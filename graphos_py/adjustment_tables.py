@@ -19,24 +19,27 @@ def summary(adjustment: Adjustment, georeference: Georeference) -> list[tuple[st
     """Return the figures at a glance, as (what, value with unit)."""
     block = adjustment.block
     facts = [
-        ("photos oriented", f"{int(np.sum(block.oriented))} / {len(block.names)}"),
-        ("object points", format_value(len(block.points))),
-        ("σ0 (1 px a priori)", format_value(adjustment.sigma0_px, unit="px", digits=3)),
-        ("RMS per coordinate", format_value(adjustment.rms_px, unit="px", digits=3)),
-        ("observations", format_value(adjustment.observations)),
-        ("unknowns", format_value(adjustment.unknowns)),
-        ("redundancy", format_value(adjustment.redundancy)),
-        ("unit of the object space", tr(block.unit)),
-        ("datum", tr(adjustment.datum)),
-        ("ended", tr(adjustment.stop_reason)),
+        (tr("photos oriented"), f"{int(np.sum(block.oriented))} / {len(block.names)}"),
+        (tr("object points"), format_value(len(block.points))),
+        (tr("σ0 (1 px a priori)"), format_value(adjustment.sigma0_px, unit="px", digits=3)),
+        (tr("RMS per coordinate"), format_value(adjustment.rms_px, unit="px", digits=3)),
+        (tr("observations"), format_value(adjustment.observations)),
+        (tr("unknowns"), format_value(adjustment.unknowns)),
+        (tr("redundancy"), format_value(adjustment.redundancy)),
+        (tr("unit of the object space"), tr(block.unit)),
     ]
     if math.isfinite(georeference.rms_m):
-        facts.insert(8, ("control RMS per coordinate", format_value(georeference.rms_m, unit="m", digits=3)))
+        facts.append((tr("control RMS per coordinate"), format_value(georeference.rms_m, unit="m", digits=3)))
     if math.isfinite(georeference.check_rms_m):
         facts.insert(
-            9, ("check RMS per coordinate", format_value(georeference.check_rms_m, unit="m", digits=3))
+            9, (tr("check RMS per coordinate"), format_value(georeference.check_rms_m, unit="m", digits=3))
         )
     return facts
+
+
+def endings(adjustment: Adjustment) -> list[tuple[str, str]]:
+    """Return how the datum was defined and why the iterations ended."""
+    return [(tr("Datum"), tr(adjustment.datum)), (tr("Iterations"), tr(adjustment.stop_reason))]
 
 
 def camera_columns(block: Block) -> list[Column]:

@@ -52,6 +52,7 @@ def prepare(run: Run) -> list[str]:
         run.check()
         with suppress(ModuleNotFoundError):
             import_module(f"graphos_py.views.{view}")
+    import_module("matplotlib.figure")  # for the formulas of the Explain panel
     return registry.problems()
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from PySide6.QtCore import QStandardPaths, Qt
 from PySide6.QtGui import QGuiApplication
 from PySide6.QtWidgets import (
+    QComboBox,
     QDialog,
     QDialogButtonBox,
     QFileDialog,
@@ -170,15 +171,12 @@ class KnownDistanceDialog(QDialog):
         self.setWindowTitle(tr("Known distance"))
         grid = QGridLayout(self)
         grid.setSpacing(8)
-        from PySide6.QtWidgets import QComboBox
-
         self._ends = [QComboBox(), QComboBox()]
-        for combo, position in zip(self._ends, (0, 1)):
+        start = (now[0], now[1]) if now else (*names, "", "")[:2]
+        for combo, name in zip(self._ends, start):
             combo.addItems(names)
             combo.setEditable(True)
-            combo.setCurrentText(
-                now[position] if now else names[min(position, len(names) - 1)] if names else ""
-            )
+            combo.setCurrentText(name)
         self._metres = QLineEdit(f"{now[2]:g}" if now else "")
         explain = QLabel(
             tr("Two control points measured in the photos, or two photos (their projection centres).")

@@ -31,8 +31,8 @@ class EmptyState(QWidget):
         self.button = QPushButton(tr(action))
         self.button.setVisible(bool(action))
         self.button.clicked.connect(self.acted)
-        for widget in (self._picture, self.heading, self.text):
-            widget.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        for label in (self._picture, self.heading, self.text):
+            label.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self.text.setMinimumWidth(min(420, self.text.maximumWidth()))
         for widget in (self._picture, self.heading, self.text, self.button):
             column.addWidget(widget, 0, Qt.AlignmentFlag.AlignHCenter)

@@ -47,6 +47,8 @@ def about_parameter(algorithm: Algorithm, name: str) -> list[Paragraph]:
         Paragraph("heading", escape(tr(about.label))),
         Paragraph("text", escape(tr(about.help))),
     ]
+    if about.symbol:
+        paragraphs.insert(2, Paragraph("formula", about.symbol))
     if about.effect:
         paragraphs.append(Paragraph("group", tr("Effect")))
         paragraphs.append(Paragraph("text", escape(tr(about.effect))))
@@ -56,10 +58,7 @@ def about_parameter(algorithm: Algorithm, name: str) -> list[Paragraph]:
 
 
 def _facts(declaration: Declaration) -> str:
-    about = declaration.about
     rows = [(tr("Possible"), declaration.range_text), (tr("Default"), default_text(declaration))]
-    if about.symbol:
-        rows.insert(0, (tr("Symbol"), about.symbol))
     cells = "".join(
         f"<tr><td style='padding-right:12px'><b>{escape(name)}</b></td><td>{escape(value)}</td></tr>"
         for name, value in rows

@@ -39,7 +39,7 @@ class NumberBox(QAbstractSpinBox):
         if declaration.optional:
             self.lineEdit().setPlaceholderText(tr(AUTOMATIC))
 
-    def validate(self, text: str, position: int) -> object:
+    def validate(self, text: str, position: int) -> tuple[QValidator.State, str, int]:
         """Accept every text; the form says what is wrong with it."""
         return QValidator.State.Acceptable, text, position
 

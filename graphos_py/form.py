@@ -12,6 +12,7 @@ from graphos_core.params import Declaration, Level, Params
 from graphos_py.fields import Field, make_field, number_text
 from graphos_py.icons import bind_icon
 from graphos_py.settings import LEVELS
+from graphos_py.theme import theme
 from graphos_py.translation import tr
 
 
@@ -28,7 +29,8 @@ class Row:
 
     def widgets(self) -> tuple[QWidget, ...]:
         """Return everything but the problem line, which has its own visibility."""
-        return self.dot, self.label, self.field.widget, self.unit
+        shown = (self.dot, self.label, self.field.widget)
+        return (*shown, self.unit) if self.declaration.about.unit else shown
 
 
 def default_text(declaration: Declaration) -> str:
@@ -51,12 +53,13 @@ class Form(QWidget):
     """Two columns, label and field with unit, in groups; shows and edits one sheet.
 
     ``changed`` carries the new sheet whenever every field is right; ``focused`` names the parameter the person is
-    at. A dot marks a value that differs from its default; a click on it resets. A wrong value is red with its
+    at; ``judged`` comes after every edit, right or wrong. A dot marks a value that differs from its default; a click on it resets. A wrong value is red with its
     sentence below; the others stay usable, and `sheet` stays the last right one.
     """
 
     changed = Signal(object)
     focused = Signal(str)
+    judged = Signal()
 
     def __init__(self, sheet: Params, level: Level = "student", parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -70,8 +73,9 @@ class Form(QWidget):
         self._grid.setHorizontalSpacing(6)
         self._grid.setVerticalSpacing(5)
         self._grid.setColumnMinimumWidth(0, 16)
-        self._grid.setColumnStretch(1, 3)
-        self._grid.setColumnStretch(2, 2)
+        self._grid.setColumnStretch(1, 1)
+        self._rescale()
+        theme().changed.connect(self._rescale)
         self._build()
         self._more = QToolButton()
         self._more.setProperty("role", "flat")
@@ -109,6 +113,10 @@ class Form(QWidget):
         return self._rows[name]
 
     # --------------------------------------------------------------------------------------------- building
+
+    def _rescale(self) -> None:
+        self._grid.setColumnMinimumWidth(2, theme().px(92))
+        self._grid.setColumnMinimumWidth(3, theme().px(52))
 
     def _build(self) -> None:
         groups: dict[str, list[Declaration]] = {}
@@ -149,8 +157,11 @@ class Form(QWidget):
             widget.setToolTip(_tooltip(declaration))
         row = Row(declaration, dot, label, field, unit, problem)
         self._rows[declaration.name] = row
-        for column, widget in enumerate(row.widgets()):
-            self._grid.addWidget(widget, line, column)
+        for column, widget in enumerate((dot, label, field.widget)):
+            wide = 2 if column == 2 and not about.unit else 1
+            self._grid.addWidget(widget, line, column, 1, wide)
+        if about.unit:
+            self._grid.addWidget(unit, line, 3)
         self._grid.addWidget(problem, line + 1, 1, 1, 3)
         name = declaration.name
         field.edited.connect(lambda: self._edited(name))
@@ -160,6 +171,13 @@ class Form(QWidget):
     # --------------------------------------------------------------------------------------------- reacting
 
     def _edited(self, name: str) -> None:
+        self._take(name)
+        self._mark()
+        self.focused.emit(name)
+        self.judged.emit()
+
+    def _take(self, name: str) -> None:
+        """Judge every field; when all are right, take and tell the new sheet."""
         values = {}
         for other, row in self._rows.items():
             try:
@@ -167,8 +185,6 @@ class Form(QWidget):
                 self._say(row, "")
             except ParamError as problem:
                 self._say(row, tr(problem.message))
-        self._mark()
-        self.focused.emit(name)
         if len(values) < len(self._rows):
             return
         try:

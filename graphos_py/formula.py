@@ -41,7 +41,7 @@ def formula_image(mathtext: str, colour: str, points: float, ratio: float = 1.0)
             figure.savefig(buffer, format="png", bbox_inches="tight", pad_inches=0.04)
         except ValueError:
             return QImage()
-    image = QImage.fromData(buffer.getvalue(), "PNG")
+    image = QImage.fromData(buffer.getvalue())
     image.setDevicePixelRatio(ratio)
     return image
 

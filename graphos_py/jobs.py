@@ -172,7 +172,7 @@ class Jobs(QObject):
         if not self._alive:
             self.idle.emit()
 
-    def stop_all(self, wait_ms: int = 5000) -> bool:
+    def stop_all(self, wait_ms: int = 30000) -> bool:
         """Ask every job to stop and wait for the threads; True when all have ended."""
         for job in self._alive:
             job.stop()

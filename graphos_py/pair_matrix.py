@@ -53,7 +53,7 @@ class PairMatrix(QWidget):
     def _cell(self) -> tuple[float, float, float]:
         """Return left, top and size of the cells."""
         n = max(1, len(self._names))
-        margin, legend = theme().px(22), theme().px(34)
+        margin, legend = theme().px(22), theme().px(44)
         size = min((self.width() - margin - 8) / n, (self.height() - margin - legend) / n, 44.0)
         return margin, margin, size
 
@@ -117,8 +117,8 @@ class PairMatrix(QWidget):
         painter.setFont(font)
         painter.setPen(theme().colour("muted"))
         painter.drawText(
-            QRectF(left + bar + 8, top - 6, self.width(), 20),
-            Qt.AlignmentFlag.AlignVCenter,
+            QRectF(left, top + 10, self.width() - left, theme().px(22)),
+            Qt.AlignmentFlag.AlignTop,
             tr("0 to {n} verified matches", n=format_value(self._most)),
         )
 

@@ -197,8 +197,8 @@ class ProjectTree(QTreeWidget):
 
     def _selected(self) -> None:
         for item in self.selectedItems():
-            kind, value = item.data(0, ROLE) or ("", None)
-            if kind == "photo":
+            kind, value = item.data(0, ROLE) or ("", -1)
+            if kind == "photo" and isinstance(value, int):
                 self._session.select_photo(value)
 
     def _show_photo(self, index: int) -> None:

@@ -183,9 +183,11 @@ class Ribbon(QWidget):
         """Mark the tab that is shown; an unknown key (the start page) marks none."""
         if key in self._steps:
             self._steps[key].setChecked(True)
-        elif self._group.checkedButton() is not None:
+            return
+        checked = self._group.checkedButton()
+        if checked is not None:
             self._group.setExclusive(False)
-            self._group.checkedButton().setChecked(False)
+            checked.setChecked(False)
             self._group.setExclusive(True)
 
     def changeEvent(self, event: QEvent) -> None:

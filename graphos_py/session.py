@@ -55,7 +55,8 @@ class Progress:
 
 def load_engine() -> None:
     """Import the engine with all its algorithms; slow the first time, so never called in the window's thread."""
-    import graphos_core.pipeline  # noqa: F401
+    import graphos_core.pipeline
+    import graphos_core.results  # noqa: F401  the store finds record classes by name
     from graphos_core import registry
 
     registry.algorithms()

@@ -45,6 +45,7 @@ class AlgorithmBox(QFrame):
     chosen = Signal(str)
     edited = Signal(str, object)
     focused = Signal(object, str)
+    judged = Signal()
     moved = Signal(int)
     removed = Signal()
 
@@ -85,6 +86,7 @@ class AlgorithmBox(QFrame):
         self.form = Form(sheet, level)
         self.form.changed.connect(self._changed)
         self.form.focused.connect(self._focused)
+        self.form.judged.connect(self.judged)
         if algorithm.params.declarations():
             column.addWidget(self.form)
 
@@ -116,6 +118,7 @@ class StagePanel(QScrollArea):
     chosen = Signal(str, object)
     edited = Signal(str, object)
     focused = Signal(object, str)
+    judged = Signal()
 
     def __init__(self, stage: Stage, level: Level = "student") -> None:
         super().__init__()
@@ -224,6 +227,7 @@ class StagePanel(QScrollArea):
         )
         box.edited.connect(self.edited)
         box.focused.connect(self.focused)
+        box.judged.connect(self.judged)
         box.chosen.connect(lambda name: self.chosen.emit(role, (name,)))
         box.removed.connect(lambda: self.chosen.emit(role, _without(self._chosen[role], position)))
         box.moved.connect(lambda by: self.chosen.emit(role, _moved(self._chosen[role], position, by)))

@@ -40,7 +40,7 @@ class Card(QPushButton):
         self.setAccessibleName(tr(name))
         self.setAccessibleDescription(tr(text))
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
-        row = QHBoxLayout(self)
+        row = self._row = QHBoxLayout(self)
         row.setContentsMargins(16, 14, 16, 14)
         row.setSpacing(14)
         self._picture = QLabel()
@@ -68,15 +68,15 @@ class Card(QPushButton):
 
     def sizeHint(self) -> QSize:
         """Return the size of the texts."""
-        return self.layout().sizeHint()
+        return self._row.sizeHint()
 
     def minimumSizeHint(self) -> QSize:
         """Return the size of the texts."""
-        return self.layout().minimumSize()
+        return self._row.minimumSize()
 
     def heightForWidth(self, width: int) -> int:
         """Return the height the texts need."""
-        return self.layout().heightForWidth(width)
+        return self._row.heightForWidth(width)
 
     def hasHeightForWidth(self) -> bool:
         """Follow the wrapped sentence."""
@@ -151,8 +151,9 @@ class StartPage(QScrollArea):
         """List the projects opened last."""
         while self._recent.count():
             item = self._recent.takeAt(0)
-            if item is not None and item.widget() is not None:
-                item.widget().deleteLater()
+            widget = item.widget() if item is not None else None
+            if widget is not None:
+                widget.deleteLater()
         if not projects:
             none = QLabel(tr("None yet. The demo project is a good first one."))
             none.setProperty("role", "caption")

@@ -63,10 +63,16 @@ class AdjustmentTab(StageTab):
         """Fill all pages."""
         adjustment: Adjustment = result.adjustment
         georeference: Georeference = result.georeference
-        from graphos_py.adjustment_tables import camera_columns, control_columns, photo_columns, summary
+        from graphos_py.adjustment_tables import (
+            camera_columns,
+            control_columns,
+            endings,
+            photo_columns,
+            summary,
+        )
 
         self._show_block(adjustment.block)
-        self.summary.setText(_cells_html(summary(adjustment, georeference)))
+        self.summary.setText(_cells_html(summary(adjustment, georeference), endings(adjustment)))
         self.cameras.set_table(camera_columns(adjustment.block))
         self.photos.set_table(photo_columns(adjustment))
         control = control_columns(georeference)
@@ -176,11 +182,10 @@ def _column(*widgets: QWidget) -> QWidget:
     return holder
 
 
-def _cells_html(facts: list[tuple[str, str]]) -> str:
+def _cells_html(facts: list[tuple[str, str]], sentences: list[tuple[str, str]]) -> str:
     from html import escape
 
-    cells = [
-        f"<td style='padding:2px 28px 2px 0'><b>{escape(v)}</b><br>{escape(tr(k))}</td>" for k, v in facts
-    ]
+    cells = [f"<td style='padding:2px 28px 2px 0'><b>{escape(v)}</b><br>{escape(k)}</td>" for k, v in facts]
     rows = [cells[i : i + 5] for i in range(0, len(cells), 5)]
-    return "<table>" + "".join(f"<tr>{''.join(row)}</tr>" for row in rows) + "</table>"
+    said = "".join(f"<br>{escape(k)}: {escape(v)}" for k, v in sentences)
+    return "<table>" + "".join(f"<tr>{''.join(row)}</tr>" for row in rows) + "</table>" + said

@@ -40,7 +40,7 @@ class DenseTab(StageTab):
         from graphos_py.views.depth_view import DepthView
 
         self.cloud = CloudView()
-        self.depth = DepthView()
+        self.depth_view = DepthView()
         self._maps: dict[int, DepthMap] = {}
         self._unit = "model units"
         self.add_view(self.cloud, "Cloud")
@@ -51,7 +51,7 @@ class DenseTab(StageTab):
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
         column.addWidget(self.depth_text)
-        column.addWidget(self.depth, 1)
+        column.addWidget(self.depth_view, 1)
         self.add_view(page, "Depth map")
 
     def show_result(self, result: Any) -> None:
@@ -80,8 +80,9 @@ class DenseTab(StageTab):
         if index in self._maps:
             self._show_map(self._maps[index])
         elif self.result is not None:
-            self.depth.clear(
-                tr("There is no depth map of this photo; it has no neighbours that see the same.")
+            self.depth_view.set_depth(None)
+            self.depth_text.setText(
+                tr("There is no depth map of this photo: it is not oriented or no neighbour sees the same.")
             )
 
     def _show_map(self, depth_map: DepthMap) -> None:
@@ -94,4 +95,4 @@ class DenseTab(StageTab):
         text = tr("{name} · {share} % known · matched with {neighbours}", name=name, share=f"{100 * share:.0f}",
                   neighbours=neighbours or "–")  # fmt: skip
         self.depth_text.setText(text)
-        self.depth.set_depth(depth, self._unit, tr("depth"), limits=self._range)
+        self.depth_view.set_depth(depth, self._unit, tr("depth"), limits=self._range)

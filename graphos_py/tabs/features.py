@@ -83,10 +83,8 @@ class FeaturesTab(StageTab):
         self._fill_numbers(result, names)
         self._photo_shown = ""
         self.show_photo(self.session.photo)
-        best = max(range(len(result.pairs)), key=lambda i: len(result.pairs[i].matches), default=-1)
-        kept = self.matrix.selected if 0 <= self.matrix.selected < len(result.pairs) else best
-        if kept >= 0:
-            self.show_pair(kept)
+        self.matrix.selected = -1
+        self._show_best_pair(self.session.photo)
 
     def show_photo(self, index: int) -> None:
         """Show the keypoints of another photo."""
@@ -95,6 +93,17 @@ class FeaturesTab(StageTab):
             return
         self._photo_shown = photos[index].digest
         read_photo(self.session, photos[index], self._photo_read)
+        self._show_best_pair(index)
+
+    def _show_best_pair(self, photo: int) -> None:
+        """Show the pair of a photo with the most verified matches, unless a pair of it is shown already."""
+        pairs = self.result.pairs
+        shown = self.matrix.selected
+        if 0 <= shown < len(pairs) and photo in (pairs[shown].a, pairs[shown].b):
+            return
+        mine = [i for i, pair in enumerate(pairs) if photo in (pair.a, pair.b)]
+        if mine:
+            self.show_pair(max(mine, key=lambda i: len(pairs[i].matches)))
 
     def _photo_read(self, read: tuple[str, Array]) -> None:
         digest, pixels = read

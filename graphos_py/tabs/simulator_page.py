@@ -195,7 +195,7 @@ class SimulatorPage(QWidget):
         page.addLayout(body, 1)
 
     def _head(self) -> QHBoxLayout:
-        back = self._button("up", tr("All simulators"), self.left.emit)
+        back = self._button("", tr("All simulators"), self.left.emit, "←")
         title = QLabel(tr(self.simulator.title))
         title.setProperty("role", "title")
         self._note = QLabel(tr(self.simulator.first))

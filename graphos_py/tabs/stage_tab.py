@@ -42,10 +42,12 @@ class StageTab(QWidget):
         self.panel.chosen.connect(self._chosen)
         self.panel.edited.connect(self._edited)
         self.panel.focused.connect(self.explained)
+        self.panel.judged.connect(session.states_changed)
         self.empty_state = EmptyState(self.symbol or self.stage, self.empty[0], self.empty[1], "Run")
         self.empty_state.acted.connect(self.run)
         self.views = QTabWidget()
         self.views.setDocumentMode(True)
+        self.views.tabBar().setDrawBase(False)
         self.views.currentChanged.connect(self._view_changed)
         self.stack = QStackedWidget()
         self.stack.addWidget(self.empty_state)
@@ -168,7 +170,6 @@ class StageTab(QWidget):
 
     def _edited(self, name: str, sheet: Any) -> None:
         self.session.set_params(self.stage, name, sheet)
-        self.update_state()
 
     def _recipe_changed(self, stage: str) -> None:
         if stage == self.stage and self.session.recipe is not None:
