@@ -39,8 +39,9 @@ class RelativeOrientation:
 def relative_orientation(a: Array, b: Array, threshold: float, *, seed: int) -> RelativeOrientation:
     """Orient photo b relative to photo a.
 
-    Five-point solutions (Nistér 2004, by OpenCV) in a seeded consensus search, then Gauss–Newton on the Sampson
-    distances of the agreeing correspondences.
+    Five-point solutions (Nistér 2004, by OpenCV) in a seeded consensus search, for flat objects also the
+    decomposition of a homography (Malis and Vargas 2007, by OpenCV); then Gauss–Newton on the Sampson distances of
+    the agreeing correspondences.
 
     Parameters
     ----------
@@ -60,25 +61,53 @@ def relative_orientation(a: Array, b: Array, threshold: float, *, seed: int) -> 
     nothing = np.zeros(count, dtype=bool)
     if count < 6:
         return RelativeOrientation(np.eye(3), np.zeros(3), nothing, f"only {count} corresponding points")
+    best = RelativeOrientation(np.eye(3), np.zeros(3), nothing, "the rays do not agree on an orientation")
+    lowest = np.inf
+    for rotation, translation in _candidates(a, b, threshold, seed):
+        for _ in range(3):
+            inliers = _agreeing(rotation, translation, a, b, threshold)
+            if inliers.sum() < 6:
+                break
+            rotation, translation = _refine(rotation, translation, a[inliers], b[inliers])
+        inliers = _agreeing(rotation, translation, a, b, threshold)
+        agreeing, most = int(inliers.sum()), int(best.inliers.sum())
+        cost = float((sampson_distances(rotation, translation, a, b)[inliers] ** 2).sum())
+        if agreeing >= 6 and (agreeing > most or (agreeing == most and cost < lowest)):
+            best, lowest = RelativeOrientation(rotation, translation, inliers), cost
+    return best
+
+
+def _candidates(a: Array, b: Array, threshold: float, seed: int) -> list[tuple[Array, Array]]:
+    """Return rotations and directions of the base that may be right.
+
+    One from the essential matrix; where rays also agree on a homography, those of its decomposition: on a plane
+    the five points fit two orientations equally, and only the points behind a camera tell them apart.
+    """
     settings = cv2.UsacParams()
     settings.threshold, settings.confidence, settings.maxIterations = threshold, 0.9999, 5000
     settings.isParallel, settings.randomGeneratorState = False, seed % (2**31 - 1) + 1
     settings.score, settings.loMethod = cv2.SCORE_METHOD_MAGSAC, cv2.LOCAL_OPTIM_INNER_LO
+    found: list[tuple[Array, Array]] = []
     try:
         essential, _ = cv2.findEssentialMat(a, b, np.eye(3), np.eye(3), None, None, settings)
+        if essential is not None and essential.shape == (3, 3) and np.isfinite(essential).all():
+            found.append(_decompose(essential, a, b, threshold))
     except cv2.error:
-        essential = None
-    if essential is None or essential.shape != (3, 3) or not np.isfinite(essential).all():
-        return RelativeOrientation(np.eye(3), np.zeros(3), nothing, "the rays do not agree on an orientation")
-    rotation, translation = _decompose(essential, a, b, threshold)
-    for _ in range(3):
-        inliers = _agreeing(rotation, translation, a, b, threshold)
-        if inliers.sum() < 6:
-            return RelativeOrientation(
-                rotation, translation, nothing, "the rays do not agree on an orientation"
-            )
-        rotation, translation = _refine(rotation, translation, a[inliers], b[inliers])
-    return RelativeOrientation(rotation, translation, _agreeing(rotation, translation, a, b, threshold))
+        pass  # no five points in general position
+    settings.confidence, settings.maxIterations = 0.99, 300  # a plane is found soon or is not there
+    try:
+        homography, plane = cv2.findHomography(a, b, settings)
+    except cv2.error:
+        return found
+    if homography is None or plane.sum() < max(6, 0.3 * len(a)):
+        return found
+    _, rotations, translations, _ = cv2.decomposeHomographyMat(homography, np.eye(3))
+    for rotation, translation in zip(rotations, translations, strict=True):
+        length = float(np.linalg.norm(translation))
+        if length > 1e-9 and np.isfinite(rotation).all():
+            found.append((rotation, translation.ravel() / length))
+    votes = [int(_agreeing(r, t, a, b, threshold).sum()) for r, t in found]
+    return [found[k] for k in np.argsort([-v for v in votes], kind="stable")[:3]]
 
 
 def sampson_distances(rotation: Array, translation: Array, a: Array, b: Array) -> Array:

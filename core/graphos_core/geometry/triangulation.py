@@ -21,7 +21,8 @@ class Triangulation:
     angles : float64 (p,)
         Largest intersection angle of two used rays, radians; 0 where none.
     ok : bool (p,)
-        Whether the point was found: two used rays or more, in front of their cameras, large enough an angle.
+        Whether the point was found: more than half of its rays are used (two or more), it lies in front of their
+        cameras, and the angle is large enough.
     used : bool (m,)
         Which rays took part; none of a point that is not `ok`.
     """

@@ -270,7 +270,7 @@ def triangulate_many(
                     _refine(use, first, photo, rays, focal, rotations, centres, a, b, x)
                     count = _mark(use, first, limit, photo, rays, focal, rotations, centres, x)[0]
         points[t] = x
-        if count >= 2:
+        if count >= 2 and 2 * count > n:
             angles[t] = largest_angle(use, first, photo, centres, x)
             ok[t] = angles[t] >= min_angle
         if not ok[t]:

@@ -43,6 +43,20 @@ def test_relative_orientation_survives_a_third_of_wrong_matches() -> None:
     assert np.degrees(angle_between(found.rotation, rotation)) < 0.1
 
 
+@pytest.mark.parametrize("noise_px", [0.0, 0.5])
+def test_a_flat_object_is_no_obstacle(noise_px: float) -> None:
+    rng = np.random.default_rng(8)
+    points = np.column_stack([rng.uniform(-2, 2, (300, 2)), np.full(300, 6.0)])
+    points[:, 2] += 0.3 * points[:, 0]
+    rotation, centre = matrix_from_vector(np.array([0.02, -0.2, 0.01])), np.array([1.8, 0.1, 0.2])
+    moved = (points - centre) @ rotation.T
+    a, b = points[:, :2] / points[:, 2:], moved[:, :2] / moved[:, 2:]
+    a, b = (side + rng.normal(0, noise_px / FOCAL, side.shape) for side in (a, b))
+    found = relative_orientation(a, b, 3.0 / FOCAL, seed=0)
+    assert found.inliers.all()
+    assert np.degrees(angle_between(found.rotation, rotation)) < (0.5 if noise_px else 1e-6)
+
+
 def test_depths_are_those_of_the_points() -> None:
     points, a, b, rotation, centre = scene()
     za, zb = depths(rotation, -rotation @ centre, a, b)

@@ -17,7 +17,10 @@ from graphos_core.run import Run
 from graphos_core.text import Text
 
 OUTLIER = 5.0
-"""A control point that misses by more than this many times the median of the others is named."""
+"""A control point that misses by more than this many times the point RMS of the others is named."""
+
+ON_LINE = 1e-3
+"""Control points whose second extent is less than this share of the first lie on one line."""
 
 
 class SimilarityParams(Params):
@@ -146,29 +149,46 @@ def transform_adjustment(adjustment: Adjustment, world_from_model: Similarity, h
 def _by_control(
     adjustment: Adjustment, control: Control, points: MeasuredPoints, usable: Array, run: Run
 ) -> tuple[Adjustment, Georeference]:
-    world_from_model = estimate_similarity(points.xyz[usable], control.xyz[usable])
-    how = Text("a similarity on {count} control points", count=int(usable.sum()))
-    result = _georeference("control points", world_from_model, control, points)
-    size = np.linalg.norm(result.residuals[~result.check], axis=1)
-    names = [name for name, check in zip(result.names, result.check, strict=True) if not check]
-    for i, name in enumerate(names):
-        others = float(np.median(np.delete(size, i)))
-        if len(size) >= 4 and size[i] > max(OUTLIER * others, 1e-9):
-            run.warn(
-                Text(
-                    "Control point {name} misses by {size:.3g} m, the others typically by {others:.3g} m: its "
-                    "coordinates or measurements may be wrong.",
-                    name=name,
-                    size=float(size[i]),
-                    others=others,
-                )
-            )
-    run.say(
-        Text(
-            "Placed by {count} control points, {rms:.4g} m per coordinate.", count=len(size), rms=result.rms_m
+    spread = np.linalg.svd(control.xyz[usable] - control.xyz[usable].mean(axis=0), compute_uv=False)
+    if spread[1] < ON_LINE * spread[0]:
+        raise UserError(
+            "The block cannot be placed: its control points lie on one line.",
+            "The rotation about that line is free.",
+            "Measure a control point away from the line.",
+            learn="adjustment/georeferencing",
         )
+    world_from_model = estimate_similarity(points.xyz[usable], control.xyz[usable])
+    result = _georeference("control points", world_from_model, control, points)
+    _name_suspect(np.array(control.names)[usable].tolist(), points.xyz[usable], control.xyz[usable], run)
+    count = int(usable.sum())
+    run.say(
+        Text("Placed by {count} control points, {rms:.4g} m per coordinate.", count=count, rms=result.rms_m)
     )
+    how = Text("a similarity on {count} control points", count=count)
     return transform_adjustment(adjustment, world_from_model, how), result
+
+
+def _name_suspect(names: list[str], model: Array, world: Array, run: Run) -> None:
+    """Warn of the control point without which the others fit much better, if it misses them by far."""
+    if len(names) < 5:
+        return  # too little is left over to tell a wrong point from bad luck
+    found = []
+    for i in range(len(names)):
+        others = np.delete(np.arange(len(names)), i)
+        without = estimate_similarity(model[others], world[others])
+        rest = without.apply(model) - world
+        found.append((_rms(rest[others]), float(np.linalg.norm(rest[i])), names[i]))
+    others_rms, miss, name = min(found)
+    if miss > max(OUTLIER * np.sqrt(3.0) * others_rms, 1e-9):
+        run.warn(
+            Text(
+                "Control point {name} misses by {miss:.3g} m a similarity that fits the others to {rms:.2g} m per "
+                "coordinate: its coordinates or measurements may be wrong.",
+                name=name,
+                miss=miss,
+                rms=others_rms,
+            )
+        )
 
 
 def _by_distance(

@@ -97,6 +97,12 @@ class GrowingBlock:
         seen = self.seen_by(photo)
         self.used[seen] = self.distances_px(seen) <= self.reprojection_px
 
+    def release(self, photo: int) -> None:
+        """Take a photo out again, with the points that lose too many rays."""
+        self.oriented[photo] = False
+        self.rotations[photo], self.centres[photo] = np.eye(3), np.zeros(3)
+        self.reject()
+
     def distances_px(self, observations: Array) -> Array:
         """Return the distance of each observation from its known point in the ideal image, px."""
         return ray_distances_px(
@@ -129,7 +135,9 @@ class GrowingBlock:
         self.used[live] = self.distances_px(live) <= self.reprojection_px
         start = np.searchsorted(tracks.track, np.arange(tracks.count + 1))
         angles = intersection_angles(start, tracks.photo, self.used, self.centres, self.points)
-        self.known &= angles >= self.min_angle
+        rays = np.bincount(tracks.track[live], minlength=tracks.count)
+        agreeing = np.bincount(tracks.track[self.used], minlength=tracks.count)
+        self.known &= (angles >= self.min_angle) & (2 * agreeing > rays)  # a minority may have made the point
         self.used &= self.known[tracks.track]
         return before - int(self.used.sum())
 

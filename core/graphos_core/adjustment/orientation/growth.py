@@ -91,8 +91,22 @@ class Growth:
         for _ in range(FINAL_ROUNDS):
             before = self.block.used.copy()
             self._adjust()
-            if (before != self.block.used).sum() < 1e-3 * before.sum():
+            if not self._release_weak() and (before != self.block.used).sum() < 1e-3 * before.sum():
                 break
+
+    def _release_weak(self) -> bool:
+        """Take out the photo that is held by the fewest points, if they are too few; say whether there was one."""
+        block = self.block
+        held = np.bincount(block.tracks.photo[block.used], minlength=len(block.names))
+        held[~block.oriented] = np.iinfo(held.dtype).max
+        weakest = int(np.argmin(held))
+        if held[weakest] >= self.min_points or self.count <= 2:
+            return False
+        block.release(weakest)
+        self.reasons[weakest] = (
+            f"only {held[weakest]} of its points fit after the adjustment, {self.min_points} needed"
+        )
+        return True
 
     def _add_one(self) -> bool:
         """Add the best photo that can be added; say whether there was one."""
