@@ -110,7 +110,13 @@ class CloudOverlay:
         length = round_step(140.0 * per_px)
         wide = length / per_px
         text = format_value(length, digits=1, unit=scene.unit)
-        x, y = 2 * AXIS_PX + 50.0, canvas.height() - 20.0
+        x, y = 2 * AXIS_PX + 60.0, canvas.height() - 20.0
+        metrics = painter.fontMetrics()
+        ground = max(wide, float(metrics.horizontalAdvance(text))) + 20
+        line = metrics.height()
+        plate(
+            painter, QRectF(x + 0.5 * (wide - ground), y - line - 12, ground, line + 20), self.view.palette()
+        )
         painter.setPen(QPen(self.view.palette().color(QPalette.ColorRole.Text), 1.5))
         painter.drawLine(QPointF(x, y), QPointF(x + wide, y))
         for end in (x, x + wide):

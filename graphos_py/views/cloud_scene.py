@@ -273,6 +273,8 @@ class CloudScene:
 
 def _small_rgb(image: Array) -> Array:
     image = np.repeat(image[:, :, None], 3, axis=2) if image.ndim == 2 else image
+    every = max(1, min(image.shape[:2]) // (4 * THUMBNAIL_PX))
+    image = image[::every, ::every]  # photos in full size are thinned first: averaging them all would be felt
     scale = THUMBNAIL_PX / max(image.shape[:2])
     if scale < 1:
         image = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)

@@ -57,7 +57,7 @@ def _bar(table: str) -> QImage:
 
 
 def _end(value: float, other: float) -> str:
-    """Return an end of the bar with three digits of the span between both ends."""
+    """Return an end of the bar with two digits of a fifth of the span between both ends."""
     if value == 0:
         return "0"
-    return format_value(value, sigma=abs(value - other) / 20 or None).split(" ±")[0].strip(THIN_SPACE)
+    return format_value(value, sigma=abs(value - other) / 5 or None).split(" ±")[0].strip(THIN_SPACE)

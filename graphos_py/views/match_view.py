@@ -6,17 +6,11 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from PySide6.QtCore import QEvent, QLineF, QObject, QPointF, QRectF, Qt, Signal
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import (
     QColor,
     QContextMenuEvent,
-    QImage,
     QKeyEvent,
-    QPainter,
-    QPaintEvent,
-    QPalette,
-    QPen,
-    QResizeEvent,
 )
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
@@ -26,9 +20,8 @@ from graphos_core.data.record import Array
 from graphos_core.number_format import THIN_SPACE, format_value
 from graphos_core.rendering.colour_maps import colours_of_values
 from graphos_py.views.background import Background
-from graphos_py.views.colour_legend import paint_legend
 from graphos_py.views.export import Writer, export_menu, write_csv, write_png, write_svg
-from graphos_py.views.painting import plate
+from graphos_py.views.match_overlay import MatchOverlay
 from graphos_py.views.pair_geometry import PairGeometry
 from graphos_py.views.pixel_canvas import PixelCanvas
 
@@ -36,7 +29,6 @@ EpipolarCurve = Callable[[int, float, float], Array]
 """(0 or 1: the photo of the point, x, y in px) to points (n, 2) of the curve in the other photo, px."""
 
 GAP = 6
-LINES_AT_MOST = 250
 
 
 class MatchView(QWidget):
@@ -61,17 +53,14 @@ class MatchView(QWidget):
         self.selected = -1
         self.hovered = -1
         self.residuals: Array | None = None
-        self._colours: list[QColor] = []
+        self.colours: list[QColor] = []
         self._pair: PairMatches | None = None
         self._geometry: PairGeometry | None = None
-        self._curve: EpipolarCurve | None = None
+        self._given_curve: EpipolarCurve | None = None
         self._background = Background(self)
-        self._names = ("", "")
-        self._cursor: tuple[int, float, float] | None = None
+        self.names = ("", "")
+        self.pointed: tuple[int, float, float] | None = None
         self._linking = False
-        self.lines_drawn = 0
-        self._cache: QImage | None = None
-        self._cache_key: object = None
         self._picture = QWidget(self)
         row = QHBoxLayout(self._picture)
         row.setContentsMargins(0, 0, 0, 0)
@@ -85,7 +74,7 @@ class MatchView(QWidget):
             self.tr("Here you will see the same points in two photos"),
             self.tr("Run feature matching, then choose a pair."),
         )
-        self._over = _Overlay(self)
+        self._over = MatchOverlay(self, self._picture)
         self._text = QLabel()
         self._text.setContentsMargins(8, 2, 8, 2)
         box = QVBoxLayout(self)
@@ -126,12 +115,12 @@ class MatchView(QWidget):
         """
         self.xy = (np.asarray(xy_a, np.float64).reshape(-1, 2), np.asarray(xy_b, np.float64).reshape(-1, 2))
         self._pair = pair
-        self._names = names
+        self.names = names
         self.selected = self.hovered = -1
-        self._cursor = None
+        self.pointed = None
         for canvas, image in zip(self.canvases, (image_a, image_b)):
             canvas.set_array(image)
-        self._curve = epipolar_curve
+        self._given_curve = epipolar_curve
         self._geometry = PairGeometry.of_pair(pair, (self._size(0), self._size(1)), cameras)
         self._take_residuals(None)
         if self._geometry is not None and len(self.xy[0]):
@@ -160,6 +149,13 @@ class MatchView(QWidget):
         self._write()
         self._over.update()
 
+    @property
+    def curve(self) -> EpipolarCurve | None:
+        """What draws the epipolar curve; None while it is not known."""
+        if self._given_curve is None and self._geometry is not None and self.residuals is not None:
+            return self._geometry.curve
+        return self._given_curve
+
     def _size(self, side: int) -> tuple[int, int]:
         return self.canvases[side].image_size
 
@@ -169,7 +165,7 @@ class MatchView(QWidget):
         else:  # without a distance, colour tells neighbours apart: position from left to right
             values, high = self.xy[0][:, 0], max(self._size(0)[0], 1)
         table = colours_of_values(values, 0.0, float(high), "bright viridis")
-        self._colours = [QColor(*rgb) for rgb in table.tolist()]
+        self.colours = [QColor(*rgb) for rgb in table.tolist()]
 
     def legend_range(self) -> float:
         """Return the distance from the epipolar line that gets the last colour, px."""
@@ -195,7 +191,7 @@ class MatchView(QWidget):
     def _on_cursor(self, side: int, x: float, y: float) -> None:
         width, height = self._size(side)
         inside = -0.5 <= x < width - 0.5 and -0.5 <= y < height - 0.5
-        self._cursor = (side, x, y) if inside else None
+        self.pointed = (side, x, y) if inside else None
         self.hovered = self.nearest(side, x, y) if inside else -1
         self.cursor_moved.emit(side, x, y)
         self._write()
@@ -278,127 +274,3 @@ class MatchView(QWidget):
         """Return the matches of photo `side` (n, 2) in px of the picture area."""
         corner = self.canvases[side].pos()
         return self.canvases[side].to_screen(self.xy[side]) + np.array([corner.x(), corner.y()])
-
-    def paint_over(self, painter: QPainter) -> None:
-        """Paint matches, the highlighted one, the epipolar curve, names and legend."""
-        if self.canvases[0].array is None or self.canvases[1].array is None:
-            return
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        self._paint_matches(painter)
-        self._paint_curve(painter)
-        for index in {self.hovered, self.selected}:
-            if 0 <= index < len(self.xy[0]):
-                self._paint_highlight(painter, index)
-        for canvas, name in zip(self.canvases, self._names):
-            if name:
-                metrics = painter.fontMetrics()
-                box = QRectF(canvas.x() + 10, 10, metrics.horizontalAdvance(name) + 16, metrics.height() + 6)
-                plate(painter, box, self.palette())
-                painter.drawText(box, Qt.AlignmentFlag.AlignCenter, name)
-        if self.residuals is not None and len(self.residuals):
-            area = QRectF(0, 0, self._over.width(), self._over.height())
-            title = self.tr("distance from the epipolar line")
-            paint_legend(
-                painter, area, self.palette(), 0.0, self.legend_range(), title, "px", "bright viridis"
-            )
-
-    def _paint_matches(self, painter: QPainter) -> None:
-        """Paint all points and, evenly chosen, as many lines as can be told apart; kept until the view changes."""
-        ratio = self.devicePixelRatioF()
-        views = [(c.zoom, c.left, c.top, c.x(), c.width(), c.height()) for c in self.canvases]
-        key = (tuple(views), ratio, len(self.xy[0]), id(self._colours))
-        if key != self._cache_key or self._cache is None:
-            size = self._over.size() * ratio
-            self._cache = QImage(size, QImage.Format.Format_ARGB32_Premultiplied)
-            self._cache.setDevicePixelRatio(ratio)
-            self._cache.fill(Qt.GlobalColor.transparent)
-            inner = QPainter(self._cache)
-            inner.setRenderHint(QPainter.RenderHint.Antialiasing)
-            self._paint_all(inner)
-            inner.end()
-            self._cache_key = key
-        painter.setOpacity(0.5 if self.selected >= 0 or self.hovered >= 0 else 1.0)
-        painter.drawImage(QPointF(0, 0), self._cache)
-        painter.setOpacity(1.0)
-
-    def _paint_all(self, painter: QPainter) -> None:
-        both = [self.screen_positions(side) for side in (0, 1)]
-        inside = [self._in_sight(side, positions) for side, positions in enumerate(both)]
-        linked = np.flatnonzero(inside[0] & inside[1])
-        self.lines_drawn = min(len(linked), LINES_AT_MOST)
-        drawn = (
-            linked[np.linspace(0, len(linked) - 1, self.lines_drawn).astype(int)] if len(linked) else linked
-        )
-        rows = np.column_stack(both)
-        edge = QColor(0, 0, 0, 110)
-        for index in drawn.tolist():
-            stroke = QLineF(*rows[index].tolist())
-            painter.setPen(QPen(edge, 2.6))
-            painter.drawLine(stroke)
-            painter.setPen(QPen(self._colours[index], 1.3))
-            painter.drawLine(stroke)
-        cap = Qt.PenCapStyle.RoundCap
-        for positions, seen in zip(both, inside):
-            chosen = np.flatnonzero(seen).tolist()
-            painter.setPen(QPen(edge, 5.0, Qt.PenStyle.SolidLine, cap))
-            painter.drawPoints([QPointF(*positions[index].tolist()) for index in chosen])
-            for index in chosen:
-                painter.setPen(QPen(self._colours[index], 3.2, Qt.PenStyle.SolidLine, cap))
-                painter.drawPoint(QPointF(*positions[index].tolist()))
-
-    def _in_sight(self, side: int, positions: Array) -> Array:
-        area = self.canvases[side].geometry()
-        low, high = [area.left(), area.top()], [area.right() + 1, area.bottom() + 1]
-        return np.asarray(((positions >= low) & (positions <= high)).all(axis=1))
-
-    def _paint_highlight(self, painter: QPainter, index: int) -> None:
-        a, b = (QPointF(*self.screen_positions(side)[index].tolist()) for side in (0, 1))
-        accent = self.palette().color(QPalette.ColorRole.Highlight)
-        for colour, width in ((QColor(255, 255, 255), 4.5), (accent, 2.5)):
-            painter.setPen(QPen(colour, width))
-            painter.setBrush(Qt.BrushStyle.NoBrush)
-            painter.drawLine(a, b)
-            painter.drawEllipse(a, 7, 7)
-            painter.drawEllipse(b, 7, 7)
-
-    def _paint_curve(self, painter: QPainter) -> None:
-        curve = self._curve
-        if curve is None and self._geometry is not None and self.residuals is not None:
-            curve = self._geometry.curve
-        if self._cursor is None or curve is None:
-            return
-        side, x, y = self._cursor
-        other = self.canvases[1 - side]
-        points = np.asarray(curve(side, x, y), np.float64).reshape(-1, 2)
-        points = points[np.isfinite(points).all(axis=1)]
-        painter.save()
-        painter.setClipRect(other.geometry())
-        moved = other.to_screen(points) + np.array([other.x(), other.y()])
-        line = [QPointF(*p) for p in np.clip(moved, -1e5, 1e5).tolist()]
-        for colour, width in ((QColor(0, 0, 0, 160), 4.0), (QColor(255, 221, 51), 2.0)):
-            painter.setPen(QPen(colour, width))
-            painter.drawPolyline(line)
-        painter.restore()
-
-
-class _Overlay(QWidget):
-    """Lies over both photos and lets the mouse through."""
-
-    def __init__(self, view: MatchView) -> None:
-        super().__init__(view._picture)
-        self._view = view
-        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-        self.setAttribute(Qt.WidgetAttribute.WA_NoSystemBackground)
-        view._picture.installEventFilter(self)
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Stay as large as the photos."""
-        if isinstance(event, QResizeEvent):
-            self.resize(event.size())
-            self.raise_()
-        return False
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """Let the view paint."""
-        painter = QPainter(self)
-        self._view.paint_over(painter)

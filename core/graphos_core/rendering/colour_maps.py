@@ -30,7 +30,7 @@ def colour_table(name: str = "viridis") -> Array:
         return _diverging()
     maps = {"viridis": cv2.COLORMAP_VIRIDIS, "cividis": cv2.COLORMAP_CIVIDIS}
     if name == "bright viridis":
-        upper = colour_table("viridis")[np.linspace(72, 255, 256).round().astype(int)]
+        upper = colour_table("viridis")[np.linspace(104, 255, 256).round().astype(int)]
         return _frozen(upper)
     if name not in maps:
         raise ValueError(f"colour map {name!r}: there are viridis, bright viridis, cividis and diverging")

@@ -1,0 +1,143 @@
+"""What lies over both photos of a pair: lines, points, the highlighted match, the epipolar line, texts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QEvent, QLineF, QObject, QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QPalette, QPen, QResizeEvent
+from PySide6.QtWidgets import QWidget
+
+from graphos_core.data.record import Array
+from graphos_py.views.colour_legend import paint_legend
+from graphos_py.views.painting import plate
+
+if TYPE_CHECKING:
+    from graphos_py.views.match_view import MatchView
+
+LINES_AT_MOST = 160
+
+
+class MatchOverlay(QWidget):
+    """Transparent, and lets the mouse through to the photos."""
+
+    def __init__(self, view: MatchView, photos: QWidget) -> None:
+        super().__init__(photos)
+        self.view = view
+        self.lines_drawn = 0
+        self._cache: QImage | None = None
+        self._cache_key: object = None
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.setAttribute(Qt.WidgetAttribute.WA_NoSystemBackground)
+        photos.installEventFilter(self)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Stay as large as the photos."""
+        if isinstance(event, QResizeEvent):
+            self.resize(event.size())
+            self.raise_()
+        return False
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Paint matches, the highlighted one, the epipolar curve, names and legend."""
+        if self.view.canvases[0].array is None or self.view.canvases[1].array is None:
+            return
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        self._paint_matches(painter)
+        self._paint_curve(painter)
+        for index in {self.view.hovered, self.view.selected}:
+            if 0 <= index < len(self.view.xy[0]):
+                self._paint_highlight(painter, index)
+        self._paint_texts(painter)
+
+    def _paint_texts(self, painter: QPainter) -> None:
+        for canvas, name in zip(self.view.canvases, self.view.names):
+            if name:
+                metrics = painter.fontMetrics()
+                box = QRectF(canvas.x() + 10, 10, metrics.horizontalAdvance(name) + 16, metrics.height() + 6)
+                plate(painter, box, self.palette())
+                painter.drawText(box, Qt.AlignmentFlag.AlignCenter, name)
+        if self.view.residuals is not None and len(self.view.residuals):
+            area = QRectF(0, 0, self.width(), self.height())
+            title = self.tr("distance from the epipolar line")
+            paint_legend(
+                painter, area, self.palette(), 0.0, self.view.legend_range(), title, "px", "bright viridis"
+            )
+
+    def _paint_matches(self, painter: QPainter) -> None:
+        """Paint all points and, evenly chosen, as many lines as can be told apart; kept until the view changes."""
+        ratio = self.devicePixelRatioF()
+        views = [(c.zoom, c.left, c.top, c.x(), c.width(), c.height()) for c in self.view.canvases]
+        key = (tuple(views), ratio, len(self.view.xy[0]), id(self.view.colours))
+        if key != self._cache_key or self._cache is None:
+            size = self.size() * ratio
+            self._cache = QImage(size, QImage.Format.Format_ARGB32_Premultiplied)
+            self._cache.setDevicePixelRatio(ratio)
+            self._cache.fill(Qt.GlobalColor.transparent)
+            inner = QPainter(self._cache)
+            inner.setRenderHint(QPainter.RenderHint.Antialiasing)
+            self._paint_all(inner)
+            inner.end()
+            self._cache_key = key
+        painter.setOpacity(0.65 if self.view.selected >= 0 or self.view.hovered >= 0 else 1.0)
+        painter.drawImage(QPointF(0, 0), self._cache)
+        painter.setOpacity(1.0)
+
+    def _paint_all(self, painter: QPainter) -> None:
+        both = [self.view.screen_positions(side) for side in (0, 1)]
+        inside = [self._in_sight(side, positions) for side, positions in enumerate(both)]
+        linked = np.flatnonzero(inside[0] & inside[1])
+        self.lines_drawn = min(len(linked), LINES_AT_MOST)
+        drawn = (
+            linked[np.linspace(0, len(linked) - 1, self.lines_drawn).astype(int)] if len(linked) else linked
+        )
+        rows = np.column_stack(both)
+        edge = QColor(0, 0, 0, 110)
+        for index in drawn.tolist():
+            stroke = QLineF(*rows[index].tolist())
+            painter.setPen(QPen(edge, 2.6))
+            painter.drawLine(stroke)
+            painter.setPen(QPen(self.view.colours[index], 1.3))
+            painter.drawLine(stroke)
+        cap = Qt.PenCapStyle.RoundCap
+        for positions, seen in zip(both, inside):
+            chosen = np.flatnonzero(seen).tolist()
+            painter.setPen(QPen(QColor(0, 0, 0, 190), 6.0, Qt.PenStyle.SolidLine, cap))
+            painter.drawPoints([QPointF(*positions[index].tolist()) for index in chosen])
+            for index in chosen:
+                painter.setPen(QPen(self.view.colours[index], 4.0, Qt.PenStyle.SolidLine, cap))
+                painter.drawPoint(QPointF(*positions[index].tolist()))
+
+    def _in_sight(self, side: int, positions: Array) -> Array:
+        area = self.view.canvases[side].geometry()
+        low, high = [area.left(), area.top()], [area.right() + 1, area.bottom() + 1]
+        return np.asarray(((positions >= low) & (positions <= high)).all(axis=1))
+
+    def _paint_highlight(self, painter: QPainter, index: int) -> None:
+        a, b = (QPointF(*self.view.screen_positions(side)[index].tolist()) for side in (0, 1))
+        accent = self.palette().color(QPalette.ColorRole.Highlight)
+        for colour, width in ((QColor(255, 255, 255), 4.5), (accent, 2.5)):
+            painter.setPen(QPen(colour, width))
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.drawLine(a, b)
+            painter.drawEllipse(a, 7, 7)
+            painter.drawEllipse(b, 7, 7)
+
+    def _paint_curve(self, painter: QPainter) -> None:
+        curve = self.view.curve
+        if self.view.pointed is None or curve is None:
+            return
+        side, x, y = self.view.pointed
+        other = self.view.canvases[1 - side]
+        points = np.asarray(curve(side, x, y), np.float64).reshape(-1, 2)
+        points = points[np.isfinite(points).all(axis=1)]
+        painter.save()
+        painter.setClipRect(other.geometry())
+        moved = other.to_screen(points) + np.array([other.x(), other.y()])
+        line = [QPointF(*p) for p in np.clip(moved, -1e5, 1e5).tolist()]
+        for colour, width in ((QColor(0, 0, 0, 160), 4.0), (QColor(255, 221, 51), 2.0)):
+            painter.setPen(QPen(colour, width))
+            painter.drawPolyline(line)
+        painter.restore()
