@@ -132,7 +132,8 @@ def _camera(lines: list[list[str]]) -> Camera:
 
 def _stations(lines: list[list[str]]) -> tuple[tuple[str, ...], Array, Array]:
     """Read "index path" lines, each followed by X, Y, Z, kappa, phi, omega in degrees."""
-    names, rotations, centres = [], [], []
+    names: list[str] = []
+    rotations, centres = [], []
     for line, following in pairwise(lines[5:]):
         if len(line) == 2 and line[0] == str(len(names)) and len(following) == 7:
             x, y, z, kappa, phi, omega = (float(word) for word in following[1:])

@@ -20,7 +20,7 @@ FEWEST_OBSERVATIONS = 4
 SCALE_SIGMAS = 3.0
 """The automatic robust scale in units of the robust standard deviation: weights of good observations stay 1."""
 
-MOST_ROUNDS = 6
+MOST_ROUNDS = 15
 
 
 class BundleParams(Params):
@@ -139,11 +139,12 @@ def adjust(block: Block, params: BundleParams, *, run: Run) -> Adjustment:
         trace += result.iterations
         spread = _spread(result)
         wanted = SCALE_SIGMAS * spread if automatic else scale
-        settled = params.robust == "none" or not automatic or abs(wanted - scale) < 0.05 * scale
-        block, dropped = _reject(result, params.rejection, spread)
-        rejected += dropped
-        if dropped == 0 and settled:
-            break
+        block, dropped = result.block, 0
+        if params.robust == "none" or wanted > 0.8 * scale:  # while the scale still falls, good ones look bad
+            block, dropped = _reject(result, params.rejection, spread)
+            rejected += dropped
+            if dropped == 0 and abs(wanted - scale) < 0.05 * scale:
+                break
         scale = wanted
     run.check()
     result = adjust_block(block, freedom, replace(options, scale_px=scale, statistics=True), run=run)
@@ -168,11 +169,17 @@ def _spread(adjustment: Adjustment) -> float:
 
 
 def _reject(adjustment: Adjustment, limit: float | None, spread: float) -> tuple[Block, int]:
-    """Return the block without observations longer than `limit` times `spread`, and how many they are."""
+    """Return the block without observations longer than `limit` times `spread`, and how many they are.
+
+    Of each point only the worst goes at a time: one blunder makes the other rays of its point look bad.
+    """
     block = adjustment.block
     if limit is None:
         return block, 0
-    keep: Array = np.asarray(np.hypot(*adjustment.residuals.T) <= limit * spread)
+    length = np.hypot(*adjustment.residuals.T)
+    worst = np.zeros(len(block.points))
+    np.maximum.at(worst, block.obs_point, length)
+    keep: Array = np.asarray((length <= limit * spread) | (length < worst[block.obs_point]))
     dropped = int((~keep).sum())
     if dropped == 0:
         return block, 0

@@ -24,7 +24,12 @@ class Made(NamedTuple):
 
 
 def make(
-    seed: int = 0, noise_px: float = 0.3, photos: int = 8, points: int = 150, cameras: int = 1, shake: float = 0.01
+    seed: int = 0,
+    noise_px: float = 0.3,
+    photos: int = 8,
+    points: int = 150,
+    cameras: int = 1,
+    shake: float = 0.01,
 ) -> Made:
     rng = np.random.default_rng(seed)
     camera = Camera(
