@@ -44,7 +44,7 @@ class Panel:
         Whether both axes have the same scale.
     y_down : bool
         Whether y grows downwards, as in photos.
-    legend : {"", "top left", "top right", "bottom left", "bottom right"}
+    legend : {"", "top left", "top right", "bottom left", "bottom right", "above"}
         Where the key of labelled lines stands; empty for none.
     """
 
@@ -58,7 +58,7 @@ class Panel:
     y_label: str = ""
     equal: bool = False
     y_down: bool = False
-    legend: Literal["", "top left", "top right", "bottom left", "bottom right"] = ""
+    legend: Literal["", "top left", "top right", "bottom left", "bottom right", "above"] = ""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -175,6 +175,14 @@ class Formula(Mark):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Matrix(Mark):
+    """A matrix of a sheet: its entries as texts, row by row; `label` stands before it."""
+
+    panel: str = "numbers"
+    rows: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Sentence(Mark):
     """A sentence of a sheet, wrapped; `heading` makes it a heading."""
 
@@ -215,8 +223,9 @@ class Handle(Mark):
     grip: Array | None = None
 
 
-AnyMark: TypeAlias = Points | Line | Polygon | Bars | Picture | Words | Number | Formula | Sentence | Handle
-SHEET_MARKS = (Number, Formula, Sentence)
+AnyMark: TypeAlias = (
+    Points | Line | Polygon | Bars | Picture | Words | Number | Formula | Matrix | Sentence | Handle
+)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -137,7 +137,10 @@ def draw(scene: Scene, canvas: Canvas, width: float, height: float, look: Look) 
         if panel.kind == "plot":
             _draw_axes(frame, canvas, look)
         canvas.clip(frame.plot)
+        photo = any(isinstance(mark, Picture) for mark in mine)
         for mark in mine:
+            if photo:
+                _draw_halo(mark, frame, canvas, look)
             _draw_mark(mark, frame, canvas, look)
         canvas.unclip()
         _draw_key(mine, frame, canvas, look)
@@ -202,6 +205,15 @@ def _draw_mark(mark: Mark, frame: Frame, canvas: Canvas, look: Look) -> None:
             _draw_words(mark, frame, canvas, look, colour)
         case _:
             pass
+
+
+def _draw_halo(mark: Mark, frame: Frame, canvas: Canvas, look: Look) -> None:
+    """Put a light (or dark) edge under lines, so that they stand out from any photo."""
+    if isinstance(mark, (Line, Polygon)) and mark.width > 1.0:
+        xy = frame.to_canvas(mark.xy)
+        xy = np.concatenate([xy, xy[:1]]) if isinstance(mark, Polygon) else xy
+        wide = (mark.width + 1.8) * look.unit
+        canvas.polyline(clipped(xy, frame.outer), look.colours["surface"], wide, ())
 
 
 def _draw_glow(mark: Mark, frame: Frame, canvas: Canvas, look: Look) -> None:
@@ -300,6 +312,9 @@ def _draw_key(marks: Sequence[Mark], frame: Frame, canvas: Canvas, look: Look) -
     if not corner or not rows:
         return
     size, step, sample = 0.85 * look.font, 1.45 * look.font, 2.2 * look.font
+    if corner == "above":
+        _draw_key_above(rows, frame, canvas, look, size, step, sample)
+        return
     width = sample + 1.5 * look.font + max(canvas.text_width(m.label, size) for m in rows)
     height = step * len(rows) + 0.5 * look.font
     left, top, plot_width, plot_height = frame.plot
@@ -311,16 +326,44 @@ def _draw_key(marks: Sequence[Mark], frame: Frame, canvas: Canvas, look: Look) -
     )
     for i, mark in enumerate(rows):
         middle = y + 0.25 * look.font + step * (i + 0.5)
-        ends = np.array([[x + 0.5 * look.font, middle], [x + 0.5 * look.font + sample, middle]])
-        colour = look.colours[mark.role]
-        if isinstance(mark, Bars) or (isinstance(mark, Polygon) and mark.fill >= 0.3):
-            half = 0.4 * look.font
-            canvas.polygon(_corners((ends[0, 0], middle - half, sample, 2 * half)), colour, mark.fill)
-        if not isinstance(mark, Bars):
-            dash = tuple(look.unit * part for part in DASHES[mark.dash])
-            canvas.polyline(ends, colour, mark.width * look.unit, dash)
-        at = (ends[1, 0] + 0.5 * look.font, middle)
-        canvas.text(at, mark.label, size, look.colours["text"], "left", "middle")
+        _draw_sample(mark, (x + 0.5 * look.font, middle), canvas, look, size, sample)
+
+
+def _draw_key_above(
+    rows: Sequence[Line | Polygon | Bars],
+    frame: Frame,
+    canvas: Canvas,
+    look: Look,
+    size: float,
+    step: float,
+    sample: float,
+) -> None:
+    """Draw the key in two columns between the title and the plot."""
+    left, top, width, _ = frame.plot
+    for i, mark in enumerate(rows):
+        at = (left + (i % 2) * width / 2, top - step * (2 - i // 2 - 0.4))
+        _draw_sample(mark, at, canvas, look, size, sample)
+
+
+def _draw_sample(
+    mark: Line | Polygon | Bars,
+    at: tuple[float, float],
+    canvas: Canvas,
+    look: Look,
+    size: float,
+    sample: float,
+) -> None:
+    middle = at[1]
+    ends = np.array([[at[0], middle], [at[0] + sample, middle]])
+    colour = look.colours[mark.role]
+    if isinstance(mark, Bars) or (isinstance(mark, Polygon) and mark.fill >= 0.3):
+        half = 0.4 * look.font
+        canvas.polygon(_corners((ends[0, 0], middle - half, sample, 2 * half)), colour, mark.fill)
+    if not isinstance(mark, Bars):
+        dash = tuple(look.unit * part for part in DASHES[mark.dash])
+        canvas.polyline(ends, colour, mark.width * look.unit, dash)
+    at = (ends[1, 0] + 0.5 * look.font, middle)
+    canvas.text(at, mark.label, size, look.colours["text"], "left", "middle")
 
 
 def for_print(look: Look) -> Look:

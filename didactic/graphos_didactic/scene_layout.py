@@ -61,7 +61,7 @@ def place(panel: Panel, width: float, height: float, font: float) -> Frame:
     gap = round(0.4 * font)
     left, top = panel.rect[0] * width + gap, panel.rect[1] * height + gap
     outer = (left, top, panel.rect[2] * width - 2 * gap, panel.rect[3] * height - 2 * gap)
-    head = 2.1 * font if panel.title else 0.6 * font
+    head = (2.1 if panel.title else 0.6) * font + (2.9 * font if panel.legend == "above" else 0.0)
     edges = {"plot": (3.9, 0.9, 3.2), "picture": (0.5, 0.5, 0.5), "sheet": (0.9, 0.9, 0.5)}[panel.kind]
     before, after, foot = (edge * font for edge in edges)
     if panel.kind == "plot" and not panel.y_label:

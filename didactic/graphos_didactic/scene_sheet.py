@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from graphos_didactic.formula_outline import SIZE, formula_outline
-from graphos_didactic.scene import Formula, Mark, Number, Sentence
+from graphos_didactic.scene import Formula, Mark, Matrix, Number, Sentence
 from graphos_didactic.scene_layout import Frame
 
 if TYPE_CHECKING:
@@ -40,6 +40,8 @@ def draw_sheet(marks: Sequence[Mark], frame: Frame, canvas: Canvas, look: Look) 
             y = _draw_number(mark, left, y, width, canvas, look)
         elif isinstance(mark, Formula):
             y = _draw_formula(mark, left, y, width, canvas, look)
+        elif isinstance(mark, Matrix):
+            y = _draw_matrix(mark, left, y, width, canvas, look)
         elif isinstance(mark, Sentence):
             y = _draw_sentence(mark, left, y, width, canvas, look)
         if mark.thing and mark.thing == look.chosen:
@@ -66,6 +68,25 @@ def _draw_formula(mark: Formula, left: float, y: float, width: float, canvas: Ca
     base = y + 0.3 * look.font + outline.ascent * scale
     canvas.outline(outline, (left, base), scale, look.colours[mark.role])
     return base + outline.descent * scale + 0.6 * look.font
+
+
+def _draw_matrix(mark: Matrix, left: float, y: float, width: float, canvas: Canvas, look: Look) -> float:
+    size, step, colour = 0.92 * look.font, 1.45 * look.font, look.colours[mark.role]
+    start = left + canvas.text_width(mark.label, look.font, True) + 0.9 * look.font
+    columns = len(mark.rows[0])
+    cell = min((left + width - start - look.font) / columns, 6.6 * look.font)
+    top, bottom, middle = y + 0.2 * look.font, y + 0.3 * look.font + step * len(mark.rows), 0.0
+    for i, row in enumerate(mark.rows):
+        base = y + step * (i + 0.8) + 0.2 * look.font
+        for j, entry in enumerate(row):
+            canvas.text((start + cell * (j + 1), base), entry, size, colour, "right")
+    middle = (top + bottom) / 2
+    canvas.text((left, middle), mark.label, look.font, colour, "left", "middle", bold=True)
+    hook = 0.4 * look.font
+    for x, way in ((start, 1), (start + cell * columns + 0.5 * look.font, -1)):
+        edge = np.array([[x + way * hook, top], [x, top], [x, bottom], [x + way * hook, bottom]])
+        canvas.polyline(edge, colour, 1.4 * look.unit, ())
+    return bottom + 0.5 * look.font
 
 
 def _draw_sentence(mark: Sentence, left: float, y: float, width: float, canvas: Canvas, look: Look) -> float:

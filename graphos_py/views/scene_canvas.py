@@ -57,7 +57,10 @@ class QtCanvas:
 
     def polyline(self, xy: Array, colour: str, width: float, dash: tuple[float, ...]) -> None:
         """Draw an open line; where a coordinate is NaN it is interrupted."""
-        self._painter.setPen(_pen(colour, width, dash))
+        pen = _pen(colour, width, dash)
+        if len(xy) > 100:  # round joins of a noisy curve take most of the frame's time
+            pen.setJoinStyle(Qt.PenJoinStyle.BevelJoin)
+        self._painter.setPen(pen)
         self._painter.setBrush(Qt.BrushStyle.NoBrush)
         for part in finite_parts(np.asarray(xy)):
             self._painter.drawPolyline(_polygon(part))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Self
 
 import cv2
@@ -55,33 +56,32 @@ def photograph(
     Every pixel's ray is intersected with the plane: ``n · (C + t d − P) = 0``. The photo is `columns` wide, its
     pixels are spread evenly over the camera's format.
     """
-    rows = round(columns * camera.height / camera.width)
-    step = camera.width / columns
+    rays = _rays(camera.model, camera.width, camera.height, tuple(camera.values.tolist()), columns)
+    normal, offset = np.cross(plane.right, plane.down), plane.corner - centre
+    height, width = picture.shape[:2]
+    across = plane.right * (width / (plane.right @ plane.right))
+    along = plane.down * (height / (plane.down @ plane.down))
+    # found = C + t d − P with t = n·(P − C) / n·d; its parts along the picture's sides, in pixels
+    seen = rays @ (rotation @ np.stack([normal, across, along], axis=1)).astype(np.float32)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        distance = np.float32(normal @ offset) / seen[..., 0]
+        u = distance * seen[..., 1] - np.float32(offset @ across + 0.5)
+        v = distance * seen[..., 2] - np.float32(offset @ along + 0.5)
+    u[~(distance > 0)] = -1e4
+    return np.asarray(
+        cv2.remap(rgb(picture), u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=BESIDE)
+    )
+
+
+@lru_cache(maxsize=8)
+def _rays(model: str, width: int, height: int, values: tuple[float, ...], columns: int) -> Array:
+    """Return the camera's rays at the pixels of the small photo, float32 (rows, columns, 3)."""
+    camera = Camera(model=model, width=width, height=height, values=np.array(values))
+    rows = round(columns * height / width)
+    step = width / columns
     x, y = (np.arange(columns) + 0.5) * step - 0.5, (np.arange(rows) + 0.5) * step - 0.5
     pixels = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-    rays = ray_from_pixel(camera, pixels) @ rotation
-    normal = np.cross(plane.right, plane.down)
-    facing = rays @ normal
-    distance = np.divide(
-        normal @ (plane.corner - centre), facing, out=np.full(len(rays), -1.0), where=facing != 0
-    )
-    found = centre + distance[:, None] * rays - plane.corner
-    height, width = picture.shape[:2]
-    u = found @ plane.right / (plane.right @ plane.right) * width - 0.5
-    v = found @ plane.down / (plane.down @ plane.down) * height - 0.5
-    behind = distance <= 0
-    u[behind] = v[behind] = -1e4
-    across, along = (np.clip(part, -1e4, 1e5).reshape(rows, columns).astype(np.float32) for part in (u, v))
-    return np.asarray(
-        cv2.remap(
-            rgb(picture),
-            across,
-            along,
-            cv2.INTER_LINEAR,
-            borderMode=cv2.BORDER_CONSTANT,
-            borderValue=BESIDE,
-        )
-    )
+    return ray_from_pixel(camera, pixels).reshape(rows, columns, 3).astype(np.float32)
 
 
 def rgb(picture: Array) -> Array:

@@ -37,7 +37,7 @@ def simulated_photo() -> Array:
 def make_simulated_photo() -> Array:
     """Render the façade (seed 0) with the engine: 2 rays per pixel side, sensor noise as `SensorParams` says."""
     from graphos_core.geometry.rotation import look_at
-    from graphos_core.simulation.renderer import SensorParams, expose, ray_grid, render_light
+    from graphos_core.simulation.renderer import SensorParams, expose, ray_grid, render
     from graphos_core.simulation.scene import build_scene
 
     values = np.array([820.0, (WIDTH - 1) / 2, (HEIGHT - 1) / 2])
@@ -45,7 +45,7 @@ def make_simulated_photo() -> Array:
     centre = np.array([1.2, -10.5, 3.1])
     rotation = look_at(centre, np.array([0.3, 0.0, 3.35]))
     grid = ray_grid(camera)
-    light = render_light(build_scene("facade", texel_m=0.008), grid, rotation, centre)
+    light, _ = render(build_scene("facade", texel_m=0.008), grid, rotation, centre)
     return expose(light, grid, SensorParams(), np.random.default_rng(0))
 
 

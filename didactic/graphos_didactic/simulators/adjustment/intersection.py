@@ -129,7 +129,7 @@ def _panels(pair: Pair) -> tuple[Panel, ...]:
               equal=True),
         Panel(name="numbers", title="Numbers", rect=(0.74, 0.0, 0.26, 0.56), kind="sheet"),
         Panel(name="curve", title="Every base", rect=(0.47, 0.56, 0.53, 0.44), x_range=(0.0, 1.6),
-              y_range=(0.0, _curve_top(pair)), x_label="base / height", y_label="σ [mm]",
+              y_range=(0.0, _curve_top(pair)), x_label="horizontal base / height", y_label="σ [mm]",
               legend="top right"),
     ]  # fmt: skip
     if pair.params.photo:
@@ -150,9 +150,8 @@ def _spread(pair: Pair) -> float:
 
 
 def _curve_top(pair: Pair) -> float:
-    """Top of the curve's axis, mm: enough for a base of a quarter of the height."""
-    sheet = with_base(pair.params, 0.18 * pair.height)
-    return 1e3 * float(sigmas_of_bases(sheet, np.array([0.18 * pair.height]))[0, 1])
+    """Top of the curve's axis, mm: its value at a base of a fifth of the height."""
+    return 1e3 * float(sigmas_of_bases(pair.params, np.array([0.18 * pair.height]))[0, 1])
 
 
 def _rays(pair: Pair) -> list[AnyMark]:
@@ -253,7 +252,7 @@ def _point() -> list[AnyMark]:
 
 def _curve(pair: Pair) -> list[AnyMark]:
     sigmas = 1e3 * sigmas_of_bases(pair.params, RATIOS * pair.height)
-    ratio, here = pair.base / pair.height, pair.precision.sigma_xyz * 1e3
+    ratio, here = pair.span / pair.height, pair.precision.sigma_xyz * 1e3
     marks: list[AnyMark] = [
         Line(panel="curve", thing="sigma_z", role="third", label="σ_Z, in depth", width=2.4, answer=True,
              xy=np.stack([RATIOS, sigmas[:, 1]], axis=1)),
@@ -284,7 +283,7 @@ def _handles(pair: Pair) -> list[AnyMark]:
         sheet = with_base(p, max(ratio, 0.0) * height)
         return {"a_x": sheet.a_x, "b_x": sheet.b_x}
 
-    ratio = pair.base / height
+    ratio = pair.span / height
     marks.append(
         Handle(panel="curve", name="base", thing="base", label="Base", role="accent", freedom="x",
                at=(ratio, 0.06 * _curve_top(pair)), parameters=("a_x", "b_x"), move=base, nudge=(0.02, 0.0))

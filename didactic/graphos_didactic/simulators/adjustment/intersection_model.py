@@ -229,6 +229,11 @@ class Pair:
         return float(np.linalg.norm(self.centres[1] - self.centres[0]))
 
     @property
+    def span(self) -> float:
+        """Horizontal distance of the projection centres, m."""
+        return abs(self.params.b_x - self.params.a_x)
+
+    @property
     def height(self) -> float:
         """Mean height of the cameras above the point, m."""
         return float(self.centres[:, 2].mean())
@@ -254,18 +259,16 @@ def with_base(params: IntersectionParams, base: float) -> IntersectionParams:
 
 
 def sigmas_of_bases(params: IntersectionParams, bases: Array) -> Array:
-    """Return σ_X and σ_Z (n, 2), m, for every base, by the engine's covariance.
+    """Return σ_X and σ_Z (n, 2), m, for every horizontal base, by the engine's covariance.
 
     The cameras keep their heights and stand to both sides of the point; bases may exceed the limits of the sheet.
     """
-    low, high = sorted((params.a_z, params.b_z))
     normal = Pair(params).camera
     down = np.array([0.0, 0.0, -1.0])
     north = np.array([0.0, 1.0, 0.0])
     curve = np.empty((len(bases), 2))
     for i, base in enumerate(bases):
-        along = float(np.sqrt(max(base**2 - (high - low) ** 2, 0.0)))
-        centres = np.array([[-along / 2, 0.0, low], [along / 2, 0.0, high]])
+        centres = np.array([[-base / 2, 0.0, params.a_z], [base / 2, 0.0, params.b_z]])
         targets = centres + down if params.aim == "down" else np.zeros((2, 3))
         rotations = [look_at(c, t, north) for c, t in zip(centres, targets, strict=True)]
         found = intersection_precision(

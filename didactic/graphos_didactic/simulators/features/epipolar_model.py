@@ -1,0 +1,403 @@
+"""Two cameras and a point: the parameters, and what the engine says about them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated
+
+import numpy as np
+
+from graphos_core.cameras import pixel_from_ray, ray_from_pixel
+from graphos_core.data import Camera
+from graphos_core.data.record import Array
+from graphos_core.geometry.epipolar import (
+    epipolar_curve,
+    epipolar_lines,
+    epipoles,
+    fundamental_from_cameras,
+    line_distances,
+)
+from graphos_core.geometry.rotation import look_at
+from graphos_core.params import About, Params
+
+WIDTH, HEIGHT = 1200, 900
+"""Format of both cameras, px."""
+WALL_Y = 4.0
+"""The wall stands here, m."""
+LESSON = "features/epipolar"
+
+
+class EpipolarParams(Params):
+    """Two cameras and a point, in metres: x to the right, y forward, z upwards; camera A is at height 0."""
+
+    a_x: Annotated[
+        float,
+        About(
+            label="Camera A, x",
+            symbol="X_A",
+            unit="m",
+            low=-6,
+            high=6,
+            step=0.1,
+            group="Camera A",
+            level="expert",
+            help="Place of camera A to the side.",
+            effect="Away from camera B: longer base.",
+            learn=LESSON,
+        ),
+    ] = -2.0
+    a_y: Annotated[
+        float,
+        About(
+            label="Camera A, y",
+            symbol="Y_A",
+            unit="m",
+            low=-9,
+            high=3,
+            step=0.1,
+            group="Camera A",
+            level="expert",
+            help="Place of camera A forward.",
+            effect="Higher: nearer to the wall.",
+            learn=LESSON,
+        ),
+    ] = -6.0
+    a_turn: Annotated[
+        float,
+        About(
+            label="Camera A turned",
+            unit="°",
+            low=-80,
+            high=80,
+            step=1,
+            group="Camera A",
+            help="Direction in which camera A looks; 0 is straight at the wall.",
+            effect="Higher: turned to the right; its image moves to the left.",
+            learn=LESSON,
+        ),
+    ] = 10.0
+    b_x: Annotated[
+        float,
+        About(
+            label="Camera B, x",
+            symbol="X_B",
+            unit="m",
+            low=-6,
+            high=6,
+            step=0.1,
+            group="Camera B",
+            level="expert",
+            help="Place of camera B to the side.",
+            effect="Away from camera A: longer base.",
+            learn=LESSON,
+        ),
+    ] = 2.2
+    b_y: Annotated[
+        float,
+        About(
+            label="Camera B, y",
+            symbol="Y_B",
+            unit="m",
+            low=-9,
+            high=3,
+            step=0.1,
+            group="Camera B",
+            level="expert",
+            help="Place of camera B forward.",
+            effect="Higher: nearer to the wall.",
+            learn=LESSON,
+        ),
+    ] = -5.0
+    b_z: Annotated[
+        float,
+        About(
+            label="Camera B, height",
+            symbol="Z_B",
+            unit="m",
+            low=-3,
+            high=3,
+            step=0.1,
+            group="Camera B",
+            help="Height of camera B above camera A.",
+            effect="Away from 0: the epipolar lines tilt.",
+            learn=LESSON,
+        ),
+    ] = 0.8
+    b_turn: Annotated[
+        float,
+        About(
+            label="Camera B turned",
+            unit="°",
+            low=-80,
+            high=80,
+            step=1,
+            group="Camera B",
+            help="Direction in which camera B looks; 0 is straight at the wall.",
+            effect="Higher: turned to the right; its image moves to the left.",
+            learn=LESSON,
+        ),
+    ] = -18.0
+    p_x: Annotated[
+        float,
+        About(
+            label="Point, x",
+            symbol="X",
+            unit="m",
+            low=-6,
+            high=6,
+            step=0.1,
+            group="Point",
+            level="expert",
+            help="Place of the point to the side.",
+            effect="Higher: to the right in both photos.",
+        ),
+    ] = 0.4
+    p_y: Annotated[
+        float,
+        About(
+            label="Point, y",
+            symbol="Y",
+            unit="m",
+            low=-8,
+            high=8,
+            step=0.1,
+            group="Point",
+            level="expert",
+            help="Place of the point forward.",
+            effect="Higher: farther away.",
+        ),
+    ] = 1.0
+    p_z: Annotated[
+        float,
+        About(
+            label="Point, height",
+            symbol="Z",
+            unit="m",
+            low=-3,
+            high=3,
+            step=0.1,
+            group="Point",
+            help="Height of the point above camera A.",
+            effect="Higher: up in both photos.",
+        ),
+    ] = 0.7
+    focal_px: Annotated[
+        float,
+        About(
+            label="Principal distance",
+            symbol="f",
+            unit="px",
+            low=500,
+            high=3000,
+            step=50,
+            group="Measurement",
+            help="Principal distance of both cameras.",
+            effect="Longer: a smaller part is seen, larger.",
+        ),
+    ] = 1100.0
+    noise_px: Annotated[
+        float,
+        About(
+            label="Measuring error",
+            symbol=r"\sigma",
+            unit="px",
+            low=0,
+            high=40,
+            step=1,
+            group="Measurement",
+            help="Standard deviation of the measured partner in photo B.",
+            effect="Larger: the measured partner lies farther from the line.",
+        ),
+    ] = 12.0
+    seed: Annotated[
+        int,
+        About(
+            label="Noise",
+            unit="number",
+            low=0,
+            high=9999,
+            step=1,
+            group="Measurement",
+            help="Seed of the measuring error.",
+            effect="Another number: another error of the same size.",
+        ),
+    ] = 5
+    orbit: Annotated[
+        float,
+        About(
+            label="View from",
+            unit="°",
+            low=-180,
+            high=180,
+            step=5,
+            group="Drawing",
+            level="expert",
+            help="Direction from which the space is drawn.",
+            effect="Higher: seen more from the right.",
+        ),
+    ] = 25.0
+    photo: Annotated[
+        bool,
+        About(
+            label="Photo on the wall",
+            group="Drawing",
+            help="Hang a photo on the wall that both cameras see.",
+            effect="On: both images show it.",
+        ),
+    ] = True
+    guess_x: Annotated[
+        float,
+        About(
+            label="Guess, x",
+            unit="px",
+            low=0,
+            high=WIDTH - 1,
+            step=1,
+            group="Challenge",
+            level="expert",
+            help="Where you expect the partner in photo B.",
+            effect="Higher: more to the right.",
+        ),
+    ] = 300.0
+    guess_y: Annotated[
+        float,
+        About(
+            label="Guess, y",
+            unit="px",
+            low=0,
+            high=HEIGHT - 1,
+            step=1,
+            group="Challenge",
+            level="expert",
+            help="Where you expect the partner in photo B.",
+            effect="Higher: further down.",
+        ),
+    ] = 450.0
+    guessing: Annotated[bool, About(
+        label="Show the guess", group="Challenge", level="expert", help="Show the mark for the challenge.",
+        effect="On: a mark that can be dragged appears in photo B.")] = False  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class TwoCameras:
+    """The cameras and the point of a parameter sheet."""
+
+    params: EpipolarParams
+
+    @cached_property
+    def camera(self) -> Camera:
+        """Both cameras are the same, without distortion."""
+        values = np.array([self.params.focal_px, (WIDTH - 1) / 2, (HEIGHT - 1) / 2])
+        return Camera(model="pinhole", width=WIDTH, height=HEIGHT, values=values)
+
+    @cached_property
+    def centres(self) -> Array:
+        """Projection centres, float64 (2, 3), m."""
+        p = self.params
+        return np.array([[p.a_x, p.a_y, 0.0], [p.b_x, p.b_y, p.b_z]])
+
+    @cached_property
+    def rotations(self) -> Array:
+        """``cam_from_world``, float64 (2, 3, 3)."""
+        turns = np.radians([self.params.a_turn, self.params.b_turn])
+        ahead = np.stack([np.sin(turns), np.cos(turns), np.zeros(2)], axis=1)
+        return np.stack([look_at(c, c + d) for c, d in zip(self.centres, ahead, strict=True)])
+
+    @property
+    def point(self) -> Array:
+        """The point, float64 (3,), m."""
+        return np.array([self.params.p_x, self.params.p_y, self.params.p_z])
+
+    @property
+    def base(self) -> float:
+        """Distance of the projection centres, m."""
+        return float(np.linalg.norm(self.centres[1] - self.centres[0]))
+
+    def image(self, which: int, points: Array) -> Array:
+        """Return the images of points (n, 3) in photo 0 or 1, px; NaN behind the camera."""
+        return pixel_from_ray(self.camera, (points - self.centres[which]) @ self.rotations[which].T)
+
+    @cached_property
+    def pixels(self) -> Array:
+        """True images of the point in both photos, float64 (2, 2), px; NaN behind a camera."""
+        return np.concatenate([self.image(i, self.point[None]) for i in (0, 1)])
+
+    @cached_property
+    def measured(self) -> Array:
+        """Measured partner in photo B, float64 (2,), px: the true one with the error of the seed."""
+        error = np.random.default_rng(self.params.seed).normal(size=2) * self.params.noise_px
+        return self.pixels[1] + error
+
+    @cached_property
+    def fundamental(self) -> Array:
+        """The engine's fundamental matrix, zeros without a base."""
+        eyes = self.rotations, self.centres
+        return fundamental_from_cameras(
+            self.camera, eyes[0][0], eyes[1][0], self.camera, eyes[0][1], eyes[1][1]
+        )
+
+    @cached_property
+    def epipoles(self) -> tuple[Array | None, Array | None]:
+        """The engine's epipoles in both photos, px; None at infinity or without a base."""
+        if not self.fundamental.any():
+            return None, None
+        found = [e[:2] / e[2] if abs(e[2]) > 1e-9 else None for e in epipoles(self.fundamental)]
+        return found[0], found[1]
+
+    @property
+    def on_base_line(self) -> bool:
+        """Whether the point lies on the base line, so that it has no epipolar line of its own."""
+        epipole = self.epipoles[0]
+        return epipole is not None and float(np.hypot(*(self.pixels[0] - epipole))) < 1.0
+
+    def line_in_b(self, xy: Array) -> Array | None:
+        """Return the engine's epipolar line (3,) in photo B of a point (2,) of photo A; None where there is none."""
+        if not self.fundamental.any() or not np.isfinite(xy).all():
+            return None
+        line = epipolar_lines(self.fundamental, xy[None])[0]
+        return line if np.isfinite(line).all() else None
+
+    @cached_property
+    def line(self) -> Array | None:
+        """Epipolar line of the point in photo B; None where it is not defined."""
+        return None if self.on_base_line else self.line_in_b(self.pixels[0])
+
+    @cached_property
+    def miss(self) -> float:
+        """Distance of the measured partner from the epipolar line, px; NaN without one."""
+        if self.line is None:
+            return float("nan")
+        return float(line_distances(self.fundamental, self.pixels[:1], self.measured[None])[1][0])
+
+    def images_of_depths(self, depths: Array) -> Array:
+        """Return the images in B, (n, 2) px, of the ray through the point's image in A, at depths in A, m."""
+        eyes = self.rotations, self.centres
+        return epipolar_curve(
+            self.pixels[0], self.camera, eyes[0][0], eyes[1][0], self.camera, eyes[0][1], eyes[1][1], depths
+        )
+
+    @property
+    def depth(self) -> float:
+        """Depth of the point in camera A, m."""
+        return float(self.rotations[0][2] @ (self.point - self.centres[0]))
+
+    def on_ray(self, xy: Array, depth: float) -> Array:
+        """Return the point, float64 (3,), at a depth in camera A on the ray of a pixel of photo A."""
+        ray = ray_from_pixel(self.camera, np.asarray(xy, dtype=np.float64).reshape(1, 2))[0]
+        return self.centres[0] + depth * ray @ self.rotations[0]
+
+
+def edge_points(line: Array, reach: float = 0.0) -> Array | None:
+    """Return the two points (2, 2) where a line ``l₀x + l₁y + l₂ = 0`` leaves the format, widened by `reach` px."""
+    left, right = -0.5 - reach, WIDTH - 0.5 + reach
+    top, bottom = -0.5 - reach, HEIGHT - 0.5 + reach
+    found = []
+    if abs(line[1]) > 1e-12:
+        found += [(x, -(line[0] * x + line[2]) / line[1]) for x in (left, right)]
+    if abs(line[0]) > 1e-12:
+        found += [(-(line[1] * y + line[2]) / line[0], y) for y in (top, bottom)]
+    inside = sorted(
+        (x, y) for x, y in found if left - 1e-6 <= x <= right + 1e-6 and top - 1e-6 <= y <= bottom + 1e-6
+    )
+    return np.array([inside[0], inside[-1]]) if len(inside) > 1 else None
