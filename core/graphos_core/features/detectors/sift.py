@@ -78,7 +78,7 @@ class SiftParams(Params):
             learn=LESSON,
             level="student",
         ),
-    ] = 0.02
+    ] = 0.03
     edge: Annotated[
         float,
         About(
