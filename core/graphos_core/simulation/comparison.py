@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Any
+
 import numpy as np
 
 from graphos_core.data.block import Block
@@ -151,21 +154,20 @@ def coverage(
     max_distance : float
         Largest distance from the projection centre, in object distances.
     samples, seed : int
-        Number of random samples over the surface near the cameras, and their seed.
+        Number of random samples over the surface, most of them where something is seen, and their seed.
     """
     from scipy.spatial import cKDTree
 
-    reach = max_distance * truth.object_distance_m
-    xyz, normals = _sample(truth, reach, samples, seed)
+    limits = _Limits(
+        min_photos, np.cos(np.radians(max_incidence_deg)), max_distance * truth.object_distance_m
+    )
     caster = ray_caster(truth.mesh.vertices, truth.mesh.triangles)
-    photos = np.zeros(len(xyz), np.int32)
-    for i, (rotation, centre) in enumerate(zip(truth.rotations, truth.centres, strict=True)):
-        _, inside = project_inside(truth.cameras[truth.camera_of_photo[i]], rotation, centre, xyz)
-        inside &= incidence(normals, xyz, centre) >= np.cos(np.radians(max_incidence_deg))
-        inside &= np.linalg.norm(xyz - centre, axis=1) <= reach
-        which = np.flatnonzero(inside)
-        photos[which] += unobstructed(caster, xyz[which], normals[which], centre)
-    seen = xyz[photos >= min_photos]
+    corners = truth.mesh.vertices[truth.mesh.triangles]
+    rough = _seen(truth, caster, limits, *_sample(corners, samples // 10, seed))
+    if len(rough):  # the second time only where something is seen at all
+        low, high = rough.min(axis=0) - 0.5, rough.max(axis=0) + 0.5
+        corners = corners[((corners.max(axis=1) >= low) & (corners.min(axis=1) <= high)).all(axis=1)]
+    seen = _seen(truth, caster, limits, *_sample(corners, samples, seed + 1))
     covered = np.zeros(len(seen), bool)
     if len(points) and len(seen):
         distance, _ = cKDTree(np.asarray(points)).query(seen, distance_upper_bound=radius)
@@ -179,13 +181,30 @@ def coverage(
     )
 
 
-def _sample(truth: Truth, reach: float, count: int, seed: int) -> tuple[Array, Array]:
-    """Return points and unit normals, evenly at random over the triangles within reach of a camera."""
-    corners = truth.mesh.vertices[truth.mesh.triangles]
-    middle = corners.mean(axis=1)
-    size = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
-    nearest = np.linalg.norm(middle[:, None] - truth.centres[None], axis=2).min(axis=1)
-    corners = corners[nearest - size <= reach]
+@dataclass(frozen=True)
+class _Limits:
+    """What counts as seen: number of photos, smallest cosine of the incidence angle, largest distance, m."""
+
+    photos: int
+    cosine: float
+    distance: float
+
+
+def _seen(truth: Truth, caster: Any, limits: _Limits, xyz: Array, normals: Array) -> Array:
+    """Return the samples that enough photos see."""
+    photos = np.zeros(len(xyz), np.int32)
+    for i, (rotation, centre) in enumerate(zip(truth.rotations, truth.centres, strict=True)):
+        _, inside = project_inside(truth.cameras[truth.camera_of_photo[i]], rotation, centre, xyz)
+        inside &= incidence(normals, xyz, centre) >= limits.cosine
+        inside &= np.linalg.norm(xyz - centre, axis=1) <= limits.distance
+        which = np.flatnonzero(inside)
+        photos[which] += unobstructed(caster, xyz[which], normals[which], centre)
+    result: Array = xyz[photos >= limits.photos]
+    return result
+
+
+def _sample(corners: Array, count: int, seed: int) -> tuple[Array, Array]:
+    """Return points and unit normals, evenly at random over triangles (f, 3, 3)."""
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(cross, axis=1)
     rng = np.random.default_rng([seed, 11])

@@ -238,7 +238,7 @@ def _ground() -> list[Patch]:
     patches = [
         plane(np.array([-9.0, -6.0, 0.0]), np.array([18.0, 0, 0]), np.array([0, 6.0, 0]), Finish(PAVING, 95, 0.6, 1.5)),
         plane(np.array([-45.0, -30.0, -0.02]), np.array([60.0, 0, 0]), np.array([0, 54.0, 0]),
-              Finish(GROUND, 96, 0.0, 8.0), cell=10.0),
+              Finish(GROUND, 96, 0.0, 8.0), cell=2.0),
     ]  # fmt: skip
     brick = Finish(BRICK, 97, 0.9, 2.0)
     for x0, x1 in ((-14.0, -6.0), (6.0, 14.0)):  # garden walls

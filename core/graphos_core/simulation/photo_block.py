@@ -12,6 +12,7 @@ import numpy as np
 from graphos_core.cameras import camera_model
 from graphos_core.data.cameras import Camera
 from graphos_core.data.record import Array, record
+from graphos_core.errors import UserError
 from graphos_core.exchange.ply import write_ply_mesh
 from graphos_core.geometry.rotation import opk_from_matrix
 from graphos_core.params import Params
@@ -29,7 +30,8 @@ from graphos_core.simulation.targets import MARGIN, NUMBER_HEIGHT
 from graphos_core.simulation.templates import Stations, place, template
 from graphos_core.simulation.truth import Truth, load_truth
 from graphos_core.simulation.visibility import incidence, project_inside, unobstructed
-from graphos_core.store import write_bytes, write_text
+from graphos_core.store import cannot_write, write_bytes, write_text
+from graphos_core.text import Text
 
 __all__ = ["SimulatedBlock", "Truth", "demo_camera", "load_truth", "simulate_photos"]
 
@@ -123,7 +125,8 @@ def simulate_photos(
     Raises
     ------
     UserError
-        When template or scene do not exist, the camera's distortion folds over, or the folder cannot be written.
+        When template or scene do not exist, the camera's distortion folds over, or the folder cannot be written or
+        holds other photos.
     Stopped
     """
     run, sensor = run or Run(seed=seed), sensor or SensorParams()
@@ -133,14 +136,14 @@ def simulate_photos(
     if photos is not None and "stations" in sheet.declarations():
         sheet, photos = sheet.replace(stations=photos), None
     stations = place(template_name, sheet).first(photos or 10**6)
-    run.progress(0, len(stations.names) + 2, "photos")
+    names = tuple(f"{name}.jpg" for name in stations.names)
+    _prepare(out, names)
     grid = ray_grid(camera, sensor.supersampling)
     if not isinstance(scene, Scene):
         scene = build_scene(
             scene or found.scene, seed=seed, texel_m=_texel(stations, camera, scene or found.scene), run=run
         )
     stations = stations.moved(scene.focus)
-    names = tuple(f"{name}.jpg" for name in stations.names)
     distances = []
     for i in each(run, range(len(names)), "photos"):
         rng = np.random.default_rng([seed, i])
@@ -156,6 +159,25 @@ def simulate_photos(
     return SimulatedBlock(
         folder=str(out), names=names, camera=camera, stations=stations, object_distance_m=distance, gsd_m=gsd
     )
+
+
+def _prepare(out: Path, names: tuple[str, ...]) -> None:
+    """Refuse a folder with photos of something else; an index of an earlier block is no longer true."""
+    strangers = sorted({p.name for p in (out / "photos").glob("*")} - set(names))
+    if strangers:
+        raise UserError(
+            Text(
+                "{folder} holds other photos already, such as {name}.",
+                folder=out / "photos",
+                name=strangers[0],
+            ),
+            "They would be taken for photos of this block.",
+            "Choose an empty folder.",
+        )
+    try:
+        (out / "truth" / "cameras.json").unlink(missing_ok=True)
+    except OSError as problem:
+        raise cannot_write(out, problem) from problem
 
 
 def _texel(stations: Stations, camera: Camera, scene: str) -> float:

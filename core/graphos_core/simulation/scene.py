@@ -149,7 +149,13 @@ def build_scene(name: str, *, seed: int = 0, texel_m: float = 0.004, run: Run | 
     designs = scene_designs()
     if name not in designs:
         raise UserError(unknown_name(name, list(designs), "scene"))
-    design = designs[name](seed)
+    return bake_scene(name, designs[name](seed), seed=seed, texel_m=texel_m, run=run)
+
+
+def bake_scene(
+    name: str, design: Design, *, seed: int = 0, texel_m: float = 0.004, run: Run | None = None
+) -> Scene:
+    """Bake the textures and the light of a design; see `build_scene`."""
     patches = design.patches
     vertices, triangles, owner, shares = _assemble(patches)
     caster = ray_caster(vertices, triangles)
