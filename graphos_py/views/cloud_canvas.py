@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from PySide6.QtCore import QPointF, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import (
     QImage,
     QKeyEvent,
@@ -216,10 +216,11 @@ class CloudCanvas(QWidget):
             self.camera = self.camera.fitted(self.fit_points(), *self.size_px())
         self.refresh()
 
-    def changeEvent(self, event: object) -> None:
+    def changeEvent(self, event: QEvent) -> None:
         """Draw again when the theme changes."""
-        super().changeEvent(event)  # type: ignore[arg-type]
-        self.refresh()
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.PaletteChange:
+            self.refresh()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Zoom at the cursor."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from PySide6.QtCore import QRectF, Qt, Signal
+from PySide6.QtCore import QEvent, QRectF, Qt, Signal
 from PySide6.QtGui import QContextMenuEvent, QPainter
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
@@ -130,10 +130,10 @@ class DepthView(QWidget):
             self.tr("{share} known").format(share=share) + f"      {width} × {height}{THIN_SPACE}px"
         )
 
-    def changeEvent(self, event: object) -> None:
+    def changeEvent(self, event: QEvent) -> None:
         """Follow the theme."""
-        super().changeEvent(event)  # type: ignore[arg-type]
-        if self.values is not None:
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.PaletteChange and self.values is not None:
             self.canvas.set_array(self.picture(), keep_view=True)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QEvent, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QContextMenuEvent, QKeyEvent, QPainter, QPaintEvent, QPalette
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
@@ -50,6 +50,9 @@ class PlotView(QWidget):
         self._drawing: Callable[[], None] | None = None
         self._title = ""
         self._background = Background(self)
+        self._redraw = QTimer(self)
+        self._redraw.setSingleShot(True)
+        self._redraw.timeout.connect(self._on_redraw)
         self._empty = (self.tr("Here you will see a plot"), self.tr("Run this step to draw it."))
         self._box = QVBoxLayout(self)
         self._box.setContentsMargins(0, 0, 0, 0)
@@ -122,6 +125,7 @@ class PlotView(QWidget):
             self._mark(median + nmad, 2, 1.5, dash=True)
             self.plot.plot([], [], pen=self._pen(2, 2), name=name)
         self._axes(label, unit, self.tr("count"), "")
+        self.plot.setYRange(0.0, 1.35 * float(counts.max()), padding=0.0)  # room for the legend
         self._keep(
             [f"{label} from [{unit}]", f"{label} to [{unit}]", "count"], [edges[:-1], edges[1:], counts]
         )
@@ -254,6 +258,7 @@ class PlotView(QWidget):
         for side in ("left", "bottom"):
             axis = self.plot.getAxis(side)
             axis.enableAutoSIPrefix(False)
+            axis.setSIPrefixEnableRanges(((0.0, 0.0),))  # switching it off alone keeps the factor of the last plot
             axis.setPen(ink)
             axis.setTextPen(ink)
             axis.setTickFont(self.font())
@@ -264,11 +269,17 @@ class PlotView(QWidget):
             item.legend = None
         ground = palette.color(QPalette.ColorRole.Base)
         ground.setAlpha(220)
-        item.addLegend(offset=(-12, 12), brush=ground, labelTextColor=ink)
+        item.addLegend(
+            offset=(-12, 12),
+            brush=ground,
+            labelTextColor=ink,
+            labelTextSize=f"{self.font().pointSizeF():.1f}pt",
+        )
         self.plot.enableAutoRange()
 
     def _axes(self, x_label: str, x_unit: str, y_label: str, y_unit: str) -> None:
-        style = {"color": self.palette().color(QPalette.ColorRole.Text).name()}
+        ink = self.palette().color(QPalette.ColorRole.Text).name()
+        style = {"color": ink, "font-size": f"{self.font().pointSizeF():.1f}pt"}
         for side, label, unit in (("bottom", x_label, x_unit), ("left", y_label, y_unit)):
             self.plot.setLabel(side, f"{label} [{unit}]" if unit else label, **style)
 
@@ -307,9 +318,16 @@ class PlotView(QWidget):
         """Fit."""
         self.fit()
 
-    def changeEvent(self, event: object) -> None:
-        """Follow the theme."""
-        super().changeEvent(event)  # type: ignore[arg-type]
+    def changeEvent(self, event: QEvent) -> None:
+        """Follow the theme, after Qt has dressed every widget: rebuilding a plot meanwhile brings it down."""
+        super().changeEvent(event)
+        if (
+            event.type() in (QEvent.Type.PaletteChange, QEvent.Type.FontChange)
+            and not self._redraw.isActive()
+        ):
+            self._redraw.start(0)
+
+    def _on_redraw(self) -> None:
         if self._drawing is not None and plots_ready():
             self.draw_now()
 

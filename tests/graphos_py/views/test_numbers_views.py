@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
+from PySide6.QtGui import QColor, QFont, QPalette
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
@@ -156,3 +157,25 @@ def test_signed_figures_have_zero_in_the_middle(depth: DepthView) -> None:
     assert depth.table == "diverging"
     depth.set_depth(None)
     depth.grab()
+
+
+def test_a_plot_survives_a_change_of_theme_and_its_axis_keeps_its_unit(plot: PlotView, qtbot: QtBot) -> None:
+    plot.show()
+    plot.show_histogram(np.random.default_rng(0).normal(0, 0.3, 500), "residual", "px")
+    plot.draw_now()
+    app = QApplication.instance()
+    assert isinstance(app, QApplication)
+    old_palette, old_font = app.palette(), app.font()
+    dark, large = QPalette(QColor("#202020")), QFont(old_font)
+    large.setPointSizeF(old_font.pointSizeF() * 1.5)
+    with qtbot.waitSignal(plot.drawn, timeout=5000):
+        app.setFont(large)
+        app.setPalette(dark)
+        app.setStyleSheet("QWidget { padding: 1px; }")
+    try:
+        assert plot.plot.getAxis("bottom").autoSIPrefixScale == 1.0
+        assert plot.plot.backgroundBrush().color() == plot.palette().color(QPalette.ColorRole.Base)
+    finally:
+        app.setStyleSheet("")
+        app.setFont(old_font)
+        app.setPalette(old_palette)
