@@ -168,7 +168,11 @@ def _camera(model: str, width: int, height: int, p: tuple[float, ...]) -> Camera
         if abs(p[0] - p[1]) / p[0] * max(width, height) / 2 > SAME_FOCAL_PX:
             raise UserError(
                 "A camera of the COLMAP model cannot be represented.",
-                f"It has two principal distances, {p[0]:.3f} and {p[1]:.3f} px; the models here have one.",
+                Text(
+                    "It has two principal distances, {x:.3f} and {y:.3f} px; the models here have one.",
+                    x=p[0],
+                    y=p[1],
+                ),
                 "Export with a model that has one focal length, such as RADIAL.",
             )
         p = ((p[0] + p[1]) / 2, p[2], p[3])

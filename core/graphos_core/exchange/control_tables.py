@@ -116,7 +116,9 @@ def read_tables(path: Path) -> list[Table]:
                        if c not in table.columns]  # fmt: skip
             if missing:
                 raise bad_line(
-                    table, Row(number, []), f"the header has no column {' and no column '.join(missing)}"
+                    table,
+                    Row(number, []),
+                    Text("the header has no column {names}", names=" and no column ".join(missing)),
                 )
             tables.append(table)
             continue

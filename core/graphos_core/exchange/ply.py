@@ -205,7 +205,14 @@ def _one_row(
             position += count_kind.itemsize
         kind = np.dtype(order + prop.kind)
         if not 0 <= length <= MAX_CORNERS:
-            raise _refused(name, f"a list in the element {element.name} says it has {length} entries")
+            raise _refused(
+                name,
+                Text(
+                    "a list in the element {name} says it has {length} entries",
+                    name=element.name,
+                    length=length,
+                ),
+            )
         if position + length * kind.itemsize > len(content):
             raise _cut_off(name, element)
         row.append(np.frombuffer(content, kind, length, position))
@@ -232,7 +239,8 @@ def _read_text(content: bytes, header: Header, name: str) -> dict[str, Array]:
             tables[element.name] = _text_table(mine, element)
         except (ValueError, IndexError, OverflowError):
             raise _refused(
-                name, f"a line of the element {element.name} is not made of numbers as declared"
+                name,
+                Text("a line of the element {name} is not made of numbers as declared", name=element.name),
             ) from None
     return tables
 
@@ -271,12 +279,16 @@ def _triangles(faces: Array, vertices: int, name: str) -> Array:
         found = [[c[0], c[i], c[i + 1]] for c in corners for i in range(1, len(c) - 1)]
         triangles = np.array(found, dtype=np.float64).reshape(-1, 3)
     if len(triangles) and (triangles.min() < 0 or triangles.max() >= vertices):
-        raise _refused(name, f"a face refers to a vertex that does not exist; there are {vertices}")
+        raise _refused(
+            name, Text("a face refers to a vertex that does not exist; there are {count}", count=vertices)
+        )
     return triangles.astype(np.int32)
 
 
 def _cut_off(name: str, element: Element) -> UserError:
-    return _refused(name, f"it ends before its {element.count} {element.name} elements do")
+    return _refused(
+        name, Text("it ends before its {count} {name} elements do", count=element.count, name=element.name)
+    )
 
 
 def _refused(name: str, why: str) -> UserError:

@@ -84,9 +84,11 @@ def read_header(content: bytes, name: str) -> Header:
             else:
                 raise ValueError(line)
         except (ValueError, KeyError, IndexError):
-            raise bad_header(name, f"line {number} is “{line[:60]}”") from None
+            raise bad_header(name, Text("line {number} is “{line}”", number=number, line=line[:60])) from None
     if encoding not in ("ascii", "binary_little_endian", "binary_big_endian"):
-        raise bad_header(name, f"its format is “{encoding[:40]}”" if encoding else "it names no format")
+        raise bad_header(
+            name, Text("its format is “{it}”", it=encoding[:40]) if encoding else Text("it names no format")
+        )
     found = tuple(Element(n, count, tuple(properties)) for n, count, properties in elements)
     _check_elements(found, name)
     return Header(encoding, found, unit, size)
@@ -119,9 +121,9 @@ def _check_elements(elements: tuple[Element, ...], name: str) -> None:
     for element in elements:
         properties = [prop.name for prop in element.properties]
         if len(set(properties)) != len(properties):
-            raise bad_header(name, f"a property of {element.name} occurs twice")
+            raise bad_header(name, Text("a property of {name} occurs twice", name=element.name))
         if not properties:
-            raise bad_header(name, f"the element {element.name} has no properties")
+            raise bad_header(name, Text("the element {name} has no properties", name=element.name))
     vertex = next((element for element in elements if element.name == "vertex"), None)
     if vertex is None or vertex.has_list or not {"x", "y", "z"} <= {p.name for p in vertex.properties}:
         raise bad_header(name, "it has no vertices with x, y and z")

@@ -9,6 +9,7 @@ import numpy as np
 
 from graphos_core.data.record import Array
 from graphos_core.geometry.rotation import matrix_from_vector, skew
+from graphos_core.text import Text
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,9 @@ def relative_orientation(a: Array, b: Array, threshold: float, *, seed: int) -> 
     count = len(a)
     nothing = np.zeros(count, dtype=bool)
     if count < 6:
-        return RelativeOrientation(np.eye(3), np.zeros(3), nothing, f"only {count} corresponding points")
+        return RelativeOrientation(
+            np.eye(3), np.zeros(3), nothing, Text("only {count} corresponding points", count=count)
+        )
     best = RelativeOrientation(np.eye(3), np.zeros(3), nothing, "the rays do not agree on an orientation")
     lowest = np.inf
     for rotation, translation in _candidates(a, b, threshold, seed):

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from graphos_core.data.record import Array
+from graphos_core.text import Text
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ def space_resection(points: Array, rays: Array, threshold: float, *, seed: int) 
     """
     count = len(points)
     if count < 4:
-        return _failed(count, f"only {count} points")
+        return _failed(count, Text("only {count} points", count=count))
     order = np.random.default_rng(seed).permutation(
         count
     )  # OpenCV's own draws are fixed: shuffle what it draws

@@ -199,7 +199,13 @@ def _by_distance(
     if not (np.isfinite(distance.metres) and distance.metres > 0 and length > 0):
         raise UserError(
             "The known distance gives no scale.",
-            f"Between {distance.a} and {distance.b} it is {distance.metres:g} m, in the model {length:g} units.",
+            Text(
+                "Between {a} and {b} it is {metres:g} m, in the model {length:g} units.",
+                a=distance.a,
+                b=distance.b,
+                metres=distance.metres,
+                length=length,
+            ),
             "Give two different points and a distance above zero.",
             learn="adjustment/georeferencing",
         )
@@ -222,8 +228,8 @@ def _position(
     if name in block.names and block.oriented[block.names.index(name)]:
         return block.centres[block.names.index(name)]
     raise UserError(
-        f"The known distance from {distance.a} to {distance.b} cannot be used.",
-        f"{name} is neither a point measured in two oriented photos nor an oriented photo.",
+        Text("The known distance from {a} to {b} cannot be used.", a=distance.a, b=distance.b),
+        Text("{name} is neither a point measured in two oriented photos nor an oriented photo.", name=name),
         "Measure both end points in at least two photos each, or name two oriented photos.",
         learn="adjustment/georeferencing",
     )
@@ -263,9 +269,13 @@ def _too_few(control: Control, points: MeasuredPoints, given: Array) -> UserErro
     found = int(points.found[kept].sum())
     seen = ", ".join(f"{control.names[i]} in {points.photos[i]}" for i in kept[:12])
     return UserError(
-        f"The block cannot be placed: {found} control points could be computed, 3 are needed.",
-        f"A control point must be measured in two oriented photos or more; measured are {seen}"
-        f"{' …' if len(kept) > 12 else ''}.",
+        Text(
+            "The block cannot be placed: {count} control points could be computed, 3 are needed.", count=found
+        ),
+        Text(
+            "A control point must be measured in two oriented photos or more; measured are {seen}.",
+            seen=seen + (" …" if len(kept) > 12 else ""),
+        ),
         "Measure at least 3 control points, not on one line, in two or more oriented photos each.",
         learn="adjustment/georeferencing",
     )

@@ -12,6 +12,7 @@ from graphos_core.errors import UserError
 from graphos_core.geometry.relative_orientation import relative_orientation
 from graphos_core.geometry.triangulation import triangulate
 from graphos_core.run import Run
+from graphos_core.text import Text
 
 CANDIDATES = 12
 """Pairs with the most common points that are tried."""
@@ -106,7 +107,7 @@ def choose_first_pairs(
     if not pairs:
         raise UserError(
             "No two photos can be oriented relative to each other.",
-            f"No pair has {min_points} verified points in common.",
+            Text("No pair has {count} verified points in common.", count=min_points),
             "Take photos with more overlap, find more features, or require fewer common points.",
             learn="adjustment/overlap",
         )
@@ -127,10 +128,15 @@ def choose_first_pairs(
 
 def no_base(widest: float, min_angle: float, reason: str) -> UserError:
     """Say that no pair has a usable base; `widest` is the best median angle seen, radians, 0 where none."""
-    why = f"The rays of the best pair meet at {np.degrees(widest):.2f}°, {np.degrees(min_angle):g}° are needed: the "
-    why += "photos were taken from one place, or show the same."
-    if not widest:
-        why = f"In every pair {reason or 'the rays do not agree'}."
+    if widest:
+        why = Text(
+            "The rays of the best pair meet at {widest:.2f}°, {least:g}° are needed: the photos were taken from one "
+            "place, or show the same.",
+            widest=float(np.degrees(widest)),
+            least=float(np.degrees(min_angle)),
+        )
+    else:
+        why = Text("In every pair: {reason}.", reason=reason or "the rays do not agree")
     return UserError(
         "No pair of photos can start the block.",
         why,

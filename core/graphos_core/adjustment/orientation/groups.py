@@ -49,6 +49,7 @@ def explain_failures(
         if oriented[photo]:
             continue
         group = group_of.get(photo)
+        reason: str
         if group is None:
             reason = Text("no verified matches with any other photo")
         elif group is not home:
@@ -58,8 +59,6 @@ def explain_failures(
                 names=listed([names[i] for i in group]),
             )
         else:
-            reason = Text(
-                "{reason}", reason=reasons.get(photo, "no verified matches with the oriented photos")
-            )
+            reason = reasons.get(photo, Text("no verified matches with the oriented photos"))
         failures.append(ItemFailure(name, reason))
     return tuple(failures)

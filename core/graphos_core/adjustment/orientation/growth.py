@@ -103,8 +103,10 @@ class Growth:
         if held[weakest] >= self.min_points or self.count <= 2:
             return False
         block.release(weakest)
-        self.reasons[weakest] = (
-            f"only {held[weakest]} of its points fit after the adjustment, {self.min_points} needed"
+        self.reasons[weakest] = Text(
+            "only {held} of its points fit after the adjustment, {needed} needed",
+            held=int(held[weakest]),
+            needed=self.min_points,
         )
         return True
 
@@ -115,9 +117,13 @@ class Growth:
         for photo, seen in rank_photos(block, waiting):
             if seen < MIN_SCALING:
                 self.reasons[photo] = (
-                    f"only {seen} points in common with the oriented photos, {self.min_points} needed"
+                    Text(
+                        "only {seen} points in common with the oriented photos, {needed} needed",
+                        seen=seen,
+                        needed=self.min_points,
+                    )
                     if seen
-                    else "no points in common with the oriented photos"
+                    else Text("no points in common with the oriented photos")
                 )
                 continue
             if seen <= 1.1 * self._tried.get(photo, 0):  # failed before with nearly the same points

@@ -217,7 +217,7 @@ def _usable_groups(
     """Return the groups to try, largest first; only that of the chosen first pair where one is named."""
     if len(photos.photos) < 2:
         raise UserError(
-            f"Orientation needs at least two photos, there are {len(photos.photos)}.",
+            Text("Orientation needs at least two photos; found: {count}.", count=len(photos.photos)),
             "Depth comes from seeing the same point from two places.",
             "Add photos that overlap with this one.",
             learn="adjustment/overlap",
@@ -236,7 +236,11 @@ def _usable_groups(
     together = [group for group in groups if set(chosen) <= set(group)]
     if not together:
         raise UserError(
-            f"The photos {params.first_photo} and {params.second_photo} cannot be the first pair.",
+            Text(
+                "The photos {a} and {b} cannot be the first pair.",
+                a=params.first_photo,
+                b=params.second_photo,
+            ),
             "No verified matches connect them.",
             "Choose two photos that overlap, or leave the choice to the program.",
         )

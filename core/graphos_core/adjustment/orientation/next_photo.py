@@ -10,6 +10,7 @@ from graphos_core.adjustment.orientation.growing import GrowingBlock
 from graphos_core.data import Array
 from graphos_core.geometry.relative_orientation import depths, relative_orientation
 from graphos_core.geometry.resection import judge_resection, refine_resection, space_resection
+from graphos_core.text import Text
 
 MIN_SCALING = 6
 """Known points that must agree where a relative orientation carries a photo and they only scale its base."""
@@ -92,7 +93,7 @@ def place_photo(
     neighbour = best_neighbour(block, photo)
     pair = relative_to(block, photo, neighbour, seed=seed)
     if pair is not None:
-        name = f"relative orientation to {block.names[neighbour]}"
+        name = Text("relative orientation to {photo}", photo=block.names[neighbour])
         relative = refine_resection(pair.rotation, pair.translation, points, rays, threshold)
         if (relative.inliers.sum(), -relative.rms) > (best.inliers.sum(), -best.rms):
             best, method = relative, name
@@ -104,9 +105,13 @@ def place_photo(
     count = int(best.inliers.sum())
     reason = ""
     if not best or count < min_points:
-        reason = (
-            f"only {count} of its {len(seen)} points in common with the oriented photos agree within "
-            f"{threshold_px:g} px, {min_points} needed"
+        reason = Text(
+            "only {count} of its {seen} points in common with the oriented photos agree within {limit:g} px, "
+            "{needed} needed",
+            count=count,
+            seen=len(seen),
+            limit=threshold_px,
+            needed=min_points,
         )
     rms_px = best.rms * float(block.focal[photo])
     return Placement(best.rotation, best.centre, method, count, len(seen), rms_px, reason)

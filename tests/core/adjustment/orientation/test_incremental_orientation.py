@@ -229,6 +229,32 @@ def test_of_two_unrelated_groups_the_larger_is_oriented_and_the_other_named() ->
     assert len(heard.warnings) == 1 and all(name in heard.warnings[0] for name in names)
 
 
+def test_a_photo_that_shares_few_known_points_is_carried_by_one_neighbour() -> None:
+    """The last photo shares a dozen points with the block, and hundreds with one photo that nobody else sees."""
+    model = exact_model("grid")
+    photos, tracks, pairs = case(model)
+    last, neighbour = 11, 10
+    seen = np.zeros((len(photos.photos), tracks.count), dtype=bool)
+    seen[tracks.photo, tracks.track] = True
+    known = np.flatnonzero(seen[[last, neighbour]].all(axis=0) & (seen.sum(axis=0) > 2))
+    drop = (tracks.photo == last) & np.isin(tracks.track, np.flatnonzero(seen[last]))
+    drop &= ~np.isin(tracks.track, known[:12])
+    lonely = np.isin(tracks.track, known[12:]) & np.isin(
+        tracks.photo, [last, neighbour]
+    )  # tracks of this pair only
+    track = np.where(lonely, tracks.track + tracks.count, tracks.track)
+    keep = ~drop | lonely
+    order = np.flatnonzero(keep)[np.lexsort((tracks.photo[keep], track[keep]))]
+    weak = Tracks(
+        photo=tracks.photo[order], feature=tracks.feature[order], track=track[order].astype(np.int32),
+        xy=tracks.xy[order], colour=np.zeros((2 * tracks.count, 3), np.uint8), count=2 * tracks.count,
+    )  # fmt: skip
+    block = orient_incrementally(photos, weak, pairs, FIXED, run=Run(threads=1))
+    assert block.oriented.all() and not block.failures
+    oriented_by_few = estimate_similarity(block.centres[:last], model.stations.centres[:last])
+    np.testing.assert_allclose(oriented_by_few.apply(block.centres), model.stations.centres, atol=1e-6)
+
+
 def test_photos_with_too_few_or_no_matches_stay_out_with_the_reason() -> None:
     model = exact_model("grid")
     photos, tracks, pairs = case(model)
