@@ -89,10 +89,8 @@ def range_shift(here: float, there: float, follow: float, count: int) -> int:
     difference = here - there
     if abs(difference) <= follow:
         return 0
-    if difference > count:
-        return count
-    if difference < -count:
-        return -count
+    if abs(difference) > count:  # nothing in common, not even with a change by one step
+        return count + 1
     return int(np.rint(difference))
 
 
@@ -143,7 +141,7 @@ def aggregate_rows(
                     continue
                 shift = range_shift(starts[y, x], starts[py, px], follow, count)
                 contrast = abs(g - np.float32(grey[py, px])) / edge_grey
-                jump: float = max(p2 / (1.0 + contrast), 1.5 * p1)
+                jump = max(float(p2 / (1.0 + contrast)), 1.5 * p1)
                 least[now, path, x] = extend_path(
                     cost,
                     y,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from graphos_core.cameras import pixel_from_ray, ray_from_pixel
-from graphos_core.data import Array, Block, Camera
+from graphos_core.data import Array, Block, Camera, DepthMap
 from graphos_core.geometry.rotation import look_at
 
 PLATE_HEIGHT = 0.8
@@ -28,6 +28,38 @@ class Relief:
 
     def read(self, photo: int) -> Array:
         return self.photos[photo]
+
+    def _points(self, m: DepthMap) -> Array:
+        """The true object points under the pixels of a map, float64 (h·w, 3)."""
+        y, x = np.mgrid[0 : m.depth.shape[0], 0 : m.depth.shape[1]]
+        rays = np.stack([(x - m.cx) / m.focal_px, (y - m.cy) / m.focal_px, np.ones(x.shape)], axis=-1)
+        return hit(self.block.centres[m.photo], rays.reshape(-1, 3) @ self.block.rotations[m.photo])[0]
+
+    def depth_of(self, m: DepthMap) -> Array:
+        """The true depth of the pixels of a map."""
+        points = self._points(m) - self.block.centres[m.photo]
+        return (points @ self.block.rotations[m.photo][2]).reshape(m.depth.shape)
+
+    def seen_by_others(self, m: DepthMap) -> Array:
+        """In how many other photos the points under the pixels of a map can be seen."""
+        points = self._points(m)
+        camera = self.block.cameras[0]
+        count = np.zeros(len(points), int)
+        for photo in range(len(self.photos)):
+            centre = self.block.centres[photo]
+            pixel = pixel_from_ray(camera, (points - centre) @ self.block.rotations[photo].T)
+            inside = ((pixel >= 0) & (pixel <= [camera.width - 1, camera.height - 1])).all(axis=1)
+            back, _ = hit(centre, points - centre)
+            open_view = np.linalg.norm(back - points, axis=1) < 1e-3
+            count += (photo != m.photo) & inside & open_view
+        return count.reshape(m.depth.shape)
+
+    def height_error(self, points: Array) -> Array:
+        """How far points (n, 3) lie above the hills or the plate, whichever is nearer."""
+        above_hills = points[:, 2] - height(points[:, 0], points[:, 1])
+        on_plate = (np.abs(points[:, :2]) < PLATE_HALF + self.gsd).all(axis=1)
+        above_plate = np.where(on_plate, points[:, 2] - PLATE_HEIGHT, np.inf)
+        return np.where(np.abs(above_plate) < np.abs(above_hills), above_plate, above_hills)
 
 
 def height(x: Array, y: Array) -> Array:
