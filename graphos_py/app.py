@@ -13,7 +13,7 @@ from importlib import import_module
 from pathlib import Path
 from types import TracebackType
 
-from PySide6.QtCore import QTimer
+from PySide6.QtCore import QObject, QProcess, QTimer
 from PySide6.QtWidgets import QApplication
 
 from graphos_core.errors import UserError
@@ -25,6 +25,7 @@ from graphos_py.session import load_engine
 from graphos_py.settings import Settings
 from graphos_py.theme import theme
 from graphos_py.translation import CatalogueTranslator, use_language
+from graphos_py.warm_up import is_warm
 
 
 def make_application() -> QApplication:
@@ -43,8 +44,11 @@ def make_application() -> QApplication:
     return app
 
 
-def prepare(run: Run) -> list[str]:
-    """Import what the tabs need; returns the sentences about add-ons that could not be loaded."""
+def prepare(run: Run) -> tuple[list[str], bool]:
+    """Import what the tabs need.
+
+    Returns sentences about add-ons that could not be loaded, and whether the kernels are compiled.
+    """
     load_engine()
     from graphos_core import registry
 
@@ -53,13 +57,14 @@ def prepare(run: Run) -> list[str]:
         with suppress(ModuleNotFoundError):
             import_module(f"graphos_py.views.{view}")
     import_module("matplotlib.figure")  # for the formulas of the Explain panel
-    return registry.problems()
+    return registry.problems(), is_warm()
 
 
-class Application:
+class Application(QObject):
     """The window and what happens behind it."""
 
     def __init__(self, settings: Settings | None = None) -> None:
+        super().__init__()
         self.settings = settings or Settings()
         use_language(self.settings.language)
         self._translator = CatalogueTranslator()
@@ -69,6 +74,10 @@ class Application:
         self.window = MainWindow(self.settings)
         self.window.setWindowIcon(icon("adjustment", "accent"))
         self._start: Path | None = None
+        self._warming = QProcess(self.window)
+        self._warming.setStandardOutputFile(QProcess.nullDevice())
+        self._warming.setStandardErrorFile(QProcess.nullDevice())
+        self.window.closed.connect(self._warming.kill)
 
     def show(self, project: Path | None = None) -> None:
         """Show the window; afterwards load the engine and open the project."""
@@ -78,11 +87,17 @@ class Application:
 
     def _behind(self) -> None:
         job = Job(prepare, name="loading", engine=False)
-        job.succeeded.connect(self.window.engine_loaded)
+        job.succeeded.connect(self._loaded)
         job.failed.connect(self.window.session.tell)
         self.window.jobs.start(job)
         if self._start is not None:
             self.window.actions_of_project.open_folder(self._start)
+
+    def _loaded(self, loaded: tuple[list[str], bool]) -> None:
+        problems, warm = loaded
+        self.window.engine_loaded(problems)
+        if not warm:
+            self._warming.start(sys.executable, ["-m", "graphos_py.warm_up"])
 
 
 def run_gui(project: Path | None = None) -> int:

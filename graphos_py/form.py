@@ -149,6 +149,7 @@ class Form(QWidget):
         label.setBuddy(field.widget)
         unit = QLabel(tr(about.unit))
         unit.setProperty("role", "caption")
+        unit.setWordWrap(True)
         problem = QLabel()
         problem.setProperty("role", "error")
         problem.setWordWrap(True)
@@ -158,7 +159,8 @@ class Form(QWidget):
         row = Row(declaration, dot, label, field, unit, problem)
         self._rows[declaration.name] = row
         for column, widget in enumerate((dot, label, field.widget)):
-            wide = 2 if column == 2 and not about.unit else 1
+            text = declaration.kind in ("choice", "str", "pair")
+            wide = 2 if column == 2 and text and not about.unit else 1
             self._grid.addWidget(widget, line, column, 1, wide)
         if about.unit:
             self._grid.addWidget(unit, line, 3)

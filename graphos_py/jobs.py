@@ -166,7 +166,9 @@ class Jobs(QObject):
 
     @Slot()
     def _release(self) -> None:
-        for job in [job for job in self._alive if job.isFinished()]:
+        """Let go of the job whose own ``finished`` arrived: all its earlier signals have been delivered by then."""
+        job = self.sender()
+        if isinstance(job, Job) and job in self._alive:
             self._alive.discard(job)
             job.deleteLater()
         if not self._alive:
@@ -176,6 +178,8 @@ class Jobs(QObject):
         """Ask every job to stop and wait for the threads; True when all have ended."""
         for job in self._alive:
             job.stop()
-        ended = all(job.wait(wait_ms) for job in list(self._alive))
-        self._release()
-        return ended
+        for job in list(self._alive):
+            if job.wait(wait_ms):
+                self._alive.discard(job)
+                job.deleteLater()
+        return not self._alive

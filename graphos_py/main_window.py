@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from PySide6.QtCore import QByteArray, QSize, Qt, QTimer
+from PySide6.QtCore import QByteArray, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QShowEvent
 from PySide6.QtWidgets import (
     QDockWidget,
@@ -60,6 +60,8 @@ class MainWindow(QMainWindow):
     settings : Settings
         What is remembered between sessions.
     """
+
+    closed = Signal()
 
     def __init__(self, settings: Settings | None = None) -> None:
         super().__init__()
@@ -373,6 +375,7 @@ class MainWindow(QMainWindow):
             self.settings.keep_layout("docks", QByteArray(self.saveState(LAYOUT_VERSION)))
         self.jobs.stop_all()
         event.accept()
+        self.closed.emit()
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
         """Accept files and folders."""

@@ -21,6 +21,14 @@ COLOURS = {
     "running": "accent",
     "plain": "muted",
 }
+SHORT = {
+    "preprocessing": "Preprocess",
+    "adjustment": "Adjustment",
+    "dense": "Dense",
+    "quality": "Quality",
+}
+"""Names for narrow windows and large text."""
+
 WORDS = {
     "not yet": "not yet",
     "next": "next",
@@ -125,6 +133,8 @@ class Step(QAbstractButton):
         painter.setFont(name_font)
         painter.setPen(look.colour("text"))
         text = f"{self.number}  {tr(self.label)}"
+        if names.horizontalAdvance(text) > box.width():
+            text = f"{self.number}  {tr(SHORT.get(self.key, self.label))}"
         painter.drawText(
             QRectF(box.left(), top, box.width(), names.height()),
             Qt.AlignmentFlag.AlignVCenter,

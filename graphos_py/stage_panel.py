@@ -21,6 +21,7 @@ from graphos_core.registry import Algorithm, Stage
 from graphos_py.fields import QuietCombo
 from graphos_py.form import Form
 from graphos_py.icons import bind_icon
+from graphos_py.theme import theme
 from graphos_py.translation import tr
 
 ROLE_LABELS = {
@@ -129,7 +130,7 @@ class StagePanel(QScrollArea):
         self.boxes: dict[str, AlgorithmBox] = {}
         self.setWidgetResizable(True)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setMinimumWidth(300)
+        theme().changed.connect(self._widen)
 
     def set_level(self, level: Level) -> None:
         """Fold or show parameters."""
@@ -185,6 +186,13 @@ class StagePanel(QScrollArea):
                     column.addWidget(QLabel(tr("{name} is not installed.", name=name)))
         column.addStretch(1)
         self.setWidget(page)
+        self._widen()
+
+    def _widen(self) -> None:
+        """Make the column as wide as its widest field, so that nothing has to be scrolled sideways."""
+        page = self.widget()
+        needed = page.minimumSizeHint().width() if page is not None else 0
+        self.setMinimumWidth(max(theme().px(300), needed + self.verticalScrollBar().sizeHint().width()))
 
     def _heading(self, role: str, algorithms: list[Algorithm], chain: bool) -> QHBoxLayout:
         row = QHBoxLayout()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from PySide6.QtCore import Qt
@@ -14,6 +14,9 @@ from graphos_py.tabs.images import read_photo
 from graphos_py.tabs.stage_tab import StageTab
 from graphos_py.thumbnail_pixels import thumbnail_arrays
 from graphos_py.translation import tr
+
+if TYPE_CHECKING:
+    from graphos_py.views.cloud_view import CloudView
 
 
 class AdjustmentTab(StageTab):
@@ -100,18 +103,8 @@ class AdjustmentTab(StageTab):
                 self._show_trace()
 
     def _show_block(self, block: Block) -> None:
-        oriented = np.flatnonzero(np.asarray(block.oriented))
-        self._oriented = [int(i) for i in oriented]
         self.cloud.set_cloud(block.points, block.colours, unit=block.unit)
-        cameras = [block.cameras[int(block.camera_of_photo[i])] for i in oriented]
-        names = [block.names[i] for i in oriented]
-        self.cloud.set_cameras(
-            np.asarray(block.rotations)[oriented],
-            np.asarray(block.centres)[oriented],
-            cameras,
-            names,
-            thumbnail_arrays(names),
-        )
+        self._oriented = show_cameras(self.cloud, block)
         self._select_camera(self.session.photo)
 
     def show_photo(self, index: int) -> None:
@@ -171,6 +164,20 @@ class AdjustmentTab(StageTab):
                 log_y=True,
                 title=tr("Cost ½ Σ ρ(r²) per iteration"),
             )
+
+
+def show_cameras(view: CloudView, block: Block) -> list[int]:
+    """Show the oriented photos of a block as pyramids; returns their indices in the order of the pyramids."""
+    oriented = [int(i) for i in np.flatnonzero(np.asarray(block.oriented))]
+    names = [block.names[i] for i in oriented]
+    view.set_cameras(
+        np.asarray(block.rotations)[oriented],
+        np.asarray(block.centres)[oriented],
+        [block.cameras[int(block.camera_of_photo[i])] for i in oriented],
+        names,
+        thumbnail_arrays(names),
+    )
+    return oriented
 
 
 def _column(*widgets: QWidget) -> QWidget:

@@ -8,6 +8,7 @@ import numpy as np
 from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
 from graphos_core.data import Array, Cloud, DepthMap
+from graphos_py.tabs.adjustment import show_cameras
 from graphos_py.tabs.stage_tab import StageTab
 from graphos_py.translation import tr
 
@@ -62,6 +63,9 @@ class DenseTab(StageTab):
         normals = cloud.normals if len(cloud.normals) else None
         views = cloud.views if len(cloud.views) else None
         self.cloud.set_cloud(cloud.points, cloud.colours, normals, views, cloud.unit)
+        oriented = self.session.results.get("adjustment")
+        if oriented is not None and oriented.adjustment.block.unit == cloud.unit:
+            show_cameras(self.cloud, oriented.adjustment.block)
         self._range = depth_range(tuple(result.maps))
         self.show_photo(self.session.photo)
 

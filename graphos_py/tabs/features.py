@@ -38,6 +38,8 @@ class FeaturesTab(StageTab):
 
         self._shown = ("", "")
         self._photo_shown = ""
+        self._found: tuple[str, Any] | None = None
+        self._live: list[PairMatches] | None = None
         self._pair_job: Job | None = None
         self._pair_wanted: int | None = None
         self.image = ImageView()
@@ -74,6 +76,7 @@ class FeaturesTab(StageTab):
 
     def show_result(self, result: Any) -> None:
         """Fill the pages."""
+        self._live = self._found = None
         photos = self._photos()
         if len(photos) != len(result.features):  # a result of another set of photos
             self.stack.setCurrentWidget(self.empty_state)
@@ -85,6 +88,29 @@ class FeaturesTab(StageTab):
         self.show_photo(self.session.photo)
         self.matrix.selected = -1
         self._show_best_pair(self.session.photo)
+
+    def show_partial(self, key: str, values: list[Any]) -> None:
+        """Show keypoints and pairs as they are found."""
+        photos = self._photos()
+        self.need_views()
+        if key == "features":
+            index, features = values[-1]
+            if index < len(photos):
+                self._found = (photos[index].digest, features)
+                read_photo(self.session, photos[index], self._found_read)
+        elif key == "pair":
+            if self._live is None:
+                self.views.setCurrentIndex(MATCHES)
+                self.matrix.selected = -1
+            self._live = [*(self._live or []), *values]
+            self.matrix.show_pairs(self._live, [photo.name for photo in photos])
+
+    def _found_read(self, read: tuple[str, Array]) -> None:
+        digest, pixels = read
+        if self.session.running == self.stage and self._found is not None and digest == self._found[0]:
+            self.views.setCurrentIndex(KEYPOINTS)
+            self.image.set_image(pixels, keep_view=True)
+            self.image.set_keypoints(self._found[1])
 
     def show_photo(self, index: int) -> None:
         """Show the keypoints of another photo."""
@@ -117,6 +143,8 @@ class FeaturesTab(StageTab):
     def show_pair(self, index: int) -> None:
         """Show the verified matches of a pair."""
         self.matrix.select(index)
+        if self.result is None or index >= len(self.result.pairs) or self._live is not None:
+            return
         if self._pair_job is not None:
             self._pair_wanted = index
             return

@@ -9,8 +9,8 @@ import numpy as np
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLabel, QScrollArea, QVBoxLayout, QWidget
 
-from graphos_core.number_format import format_value
 from graphos_core.roles import ComparisonResult
+from graphos_py.tabs.adjustment import show_cameras
 from graphos_py.tabs.stage_tab import StageTab
 from graphos_py.translation import tr
 
@@ -59,15 +59,21 @@ class QualityTab(StageTab):
         heading = f"<h3>{escape(tr('What this means'))}</h3>"
         nothing = f"<p>{escape(tr('Nothing stands out.'))}</p>"
         self.advice.setText(heading + (f"<ul>{items}</ul>" if items else nothing))
-        rows = [(tr(str(name)), _shown(value)) for name, value in result.figures.items()]
+        rows = [_figure(name, value) for name, value in result.figures.items()]
         comparison: ComparisonResult | None = result.comparison
         if comparison is not None:
+            unit = tr(comparison.unit)
             rows += [
-                (tr("distance: {name}", name=tr(name)), _statistic(name, value, comparison.unit))
+                (tr("Distance: {name}", name=tr(name)), value, "" if name == "count" else unit, "")
                 for name, value in comparison.statistics.items()
             ]
         self.figures.set_table(
-            [Column(tr("figure"), [row[0] for row in rows]), Column(tr("value"), [row[1] for row in rows])]
+            [
+                Column(tr("figure"), [row[0] for row in rows]),
+                Column(tr("value"), [row[1] for row in rows]),
+                Column(tr("unit"), [row[2] for row in rows]),
+                Column(tr("what it is"), [row[3] for row in rows]),
+            ]
         )
         self._show_distances(comparison)
         self._show_cloud(comparison)
@@ -90,6 +96,9 @@ class QualityTab(StageTab):
             return
         cloud = dense.cloud
         self.cloud.set_cloud(cloud.points, cloud.colours, None, None, cloud.unit)
+        oriented = self.session.results.get("adjustment")
+        if oriented is not None and oriented.adjustment.block.unit == cloud.unit:
+            show_cameras(self.cloud, oriented.adjustment.block)
         if comparison is not None and len(comparison.distances) == len(cloud.points):
             reach = float(comparison.statistics.get("q95", 0.0)) or 1.0
             self.cloud.set_values(
@@ -97,13 +106,12 @@ class QualityTab(StageTab):
             )
 
 
-def _shown(value: Any) -> str:
-    if isinstance(value, bool):
-        return tr("yes") if value else tr("no")
-    if isinstance(value, (int, float)):
-        return format_value(value)
-    return tr(str(value))
-
-
-def _statistic(name: str, value: float, unit: str) -> str:
-    return format_value(int(value)) if name == "count" else format_value(float(value), unit=unit, digits=3)
+def _figure(name: str, figure: Any) -> tuple[str, Any, str, str]:
+    """Return label, value, unit and definition (or why there is no value) of an internal figure."""
+    if not isinstance(figure, dict):
+        return tr(name), figure, "", ""
+    value = figure.get("value")
+    if isinstance(value, float) and value.is_integer():
+        value = int(value)
+    why = figure.get("reason") or figure.get("definition", "")
+    return tr(figure.get("label", name)), value, tr(figure.get("unit", "")), tr(why)
