@@ -1,4 +1,4 @@
-"""One quiet thread for what views compute: a result comes back in the window's thread as a call."""
+"""A quiet thread for what views compute: a result comes back in the window's thread as a call."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from PySide6.QtCore import QObject, Signal
 
 
 class Background(QObject):
-    """Runs functions in the thread that all views share, one after the other.
+    """Runs functions in a thread that all views share, one after the other.
 
     It belongs to a widget and goes with it: results for a closed view are dropped.
     """
@@ -23,8 +23,11 @@ class Background(QObject):
         super().__init__(parent)
         self._finished.connect(lambda then, result: then(result))
 
-    def run(self, work: Callable[[], Any], then: Callable[[Any], None]) -> None:
-        """Run `work` and give its result, or the exception it raised, to `then` in the window's thread."""
+    def run(self, work: Callable[[], Any], then: Callable[[Any], None], lane: str = "views") -> None:
+        """Run `work` and give its result, or the exception it raised, to `then` in the window's thread.
+
+        Work of one lane runs in the order in which it came; lanes do not wait for each other.
+        """
 
         def task() -> None:
             result: Any
@@ -35,9 +38,9 @@ class Background(QObject):
             with suppress(RuntimeError):  # the view was closed meanwhile
                 self._finished.emit(then, result)
 
-        _thread().submit(task)
+        _thread(lane).submit(task)
 
 
 @cache
-def _thread() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(1, thread_name_prefix="views")
+def _thread(lane: str) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(1, thread_name_prefix=lane)

@@ -136,8 +136,8 @@ class CloudCanvas(QWidget):
         height, width = pixels.shape[:2]
         self._image = QImage(pixels.data, width, height, 4 * width, QImage.Format.Format_RGB32)
         self._image.setDevicePixelRatio(shown.picture.ratio)
-        share = shown.seconds * shown.picture.step
-        self._full_seconds = share if shown.picture.step == 1 else max(self._full_seconds, 0.0)
+        whole = shown.seconds * shown.picture.step
+        self._full_seconds = whole if shown.picture.step == 1 else min(self._full_seconds, whole)
         self.update()
         self.drawn.emit()
 

@@ -75,8 +75,9 @@ class CloudScene:
     cameras: tuple[Camera, ...] = ()
     names: tuple[str, ...] = ()
     thumbnails: tuple[Array, ...] = ()
-    camera_size: float | None = None
     box: Array = field(default_factory=lambda: np.array([[-1.0] * 3, [1.0] * 3]))
+    _pyramids: tuple[Array, Array, Array] | None = None
+    _heights: tuple[float, float] | None = None
 
     # cloud
 
@@ -105,10 +106,11 @@ class CloudScene:
         if not len(self.points):
             return None
         if mode == HEIGHT:
-            low, high = np.nanpercentile(
-                self.points[:: max(len(self.points) // 200_000, 1)] @ self.up, [1, 99]
-            )
-            return Legend("height", self.unit, float(low), float(high))
+            if self._heights is None:
+                sample = self.points[:: max(len(self.points) // 200_000, 1)] @ self.up
+                low, high = (float(v) for v in np.nanpercentile(sample, [1, 99]))
+                self._heights = (low, high)
+            return Legend("height", self.unit, *self._heights)
         if mode == VIEWS and self.views is not None and len(self.views):
             return Legend(
                 "photos that confirm the point", "", float(self.views.min()), float(self.views.max())
@@ -157,8 +159,6 @@ class CloudScene:
 
     def pyramid_size(self) -> float:
         """Return the longer side of a drawn photo: a part of the distance between neighbouring cameras."""
-        if self.camera_size is not None:
-            return self.camera_size
         extent = self.extent()
         if len(self.centres) < 2:
             return 0.1 * extent
@@ -168,7 +168,9 @@ class CloudScene:
 
     def pyramids(self) -> tuple[Array, Array, Array]:
         """Return edges (n, 8, 3) twice and photo corners (n, 3, 3) of all cameras."""
-        return camera_pyramids(self.rotations, self.centres, self.cameras, self.pyramid_size())
+        if self._pyramids is None:
+            self._pyramids = camera_pyramids(self.rotations, self.centres, self.cameras, self.pyramid_size())
+        return self._pyramids
 
     def quads(self, opacity: float = 1.0) -> Quads | None:
         """Return the photos of the cameras; None where there are none."""
@@ -261,6 +263,7 @@ class CloudScene:
         return Lines(np.array(starts), np.array(ends), colours, 1.0)
 
     def _measure_box(self) -> None:
+        self._pyramids = self._heights = None
         sample = self.points[:: max(len(self.points) // 100_000, 1)]
         sample = sample[np.isfinite(sample).all(axis=1)]
         if len(sample) > 50:
@@ -278,4 +281,4 @@ def _small_rgb(image: Array) -> Array:
     scale = THUMBNAIL_PX / max(image.shape[:2])
     if scale < 1:
         image = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
-    return np.ascontiguousarray(image, np.uint8)
+    return np.array(image, np.uint8, order="C")

@@ -147,9 +147,9 @@ class DepthView(QWidget):
             "svg": lambda path: write_svg(self.canvas, path),
         }
         if self.values is not None:
-            columns = [f"{self.title} [{self.unit}] x={x}" for x in range(self.values.shape[1])]
-            rows = self.values.tolist()
-            writers["csv"] = lambda path: write_csv(path, columns, rows)
+            values = self.values
+            columns = [f"{self.title} [{self.unit}] x={x}" for x in range(values.shape[1])]
+            writers["csv"] = lambda path: write_csv(path, columns, values.tolist())
         return writers
 
     def _paint_legend(self, painter: QPainter) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Protocol
 
@@ -14,6 +15,7 @@ from PySide6.QtGui import QAction, QImage, QPainter
 from PySide6.QtWidgets import QApplication, QFileDialog, QMenu, QMessageBox, QWidget
 
 from graphos_core.data.record import Array
+from graphos_py.views.background import Background
 
 Writer = Callable[[Path], None]
 
@@ -109,10 +111,18 @@ def ask_and_write(view: QWidget, ending: str, write: Writer) -> None:
     if not name:
         return
     path = Path(name) if Path(name).suffix else Path(f"{name}.{ending}")
+    if ending == "csv":  # figures can be many; pictures have to be painted in this thread
+        Background(view).run(partial(write, path), partial(_tell_failure, view), lane="export")
+        return
     try:
         write(path)
     except OSError as problem:
-        QMessageBox.warning(view, tr("Export"), tr("Nothing was written: {why}").format(why=problem))
+        _tell_failure(view, problem)
+
+
+def _tell_failure(view: QWidget, result: object) -> None:
+    if isinstance(result, Exception):
+        QMessageBox.warning(view, tr("Export"), tr("Nothing was written: {why}").format(why=result))
 
 
 def _plain(cell: object) -> object:

@@ -258,7 +258,9 @@ class PlotView(QWidget):
         for side in ("left", "bottom"):
             axis = self.plot.getAxis(side)
             axis.enableAutoSIPrefix(False)
-            axis.setSIPrefixEnableRanges(((0.0, 0.0),))  # switching it off alone keeps the factor of the last plot
+            axis.setSIPrefixEnableRanges(
+                ((0.0, 0.0),)
+            )  # switching it off alone keeps the factor of the last plot
             axis.setPen(ink)
             axis.setTextPen(ink)
             axis.setTickFont(self.font())

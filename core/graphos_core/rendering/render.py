@@ -281,7 +281,7 @@ def _draw_flat(
             placed = np.concatenate([local(corner[0]), edges])
             kernels.quad(placed, texture, quads.opacity, count + i, optics, keys, picture)
     for group in lines:
-        colours = np.ascontiguousarray(group.colours, np.uint8)
+        colours = np.array(group.colours, np.uint8, order="C")
         kernels.lines(
             local(group.starts), local(group.ends), colours, group.width, group.on_top, optics, keys, picture
         )
