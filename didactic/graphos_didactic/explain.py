@@ -1,0 +1,90 @@
+"""Explanations of algorithms and parameters, made from declarations and lessons; the Explain panel shows them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from graphos_core.registry import Algorithm
+from graphos_didactic.lessons import Lesson, Trial, default_text, lessons
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """What there is to say about an algorithm or one of its parameters.
+
+    Attributes
+    ----------
+    title : str
+    what : str
+        What it does, in one sentence.
+    formula : str
+        In mathtext, without dollar signs; empty where there is none.
+    effect : str
+        What happens in both directions; empty for an algorithm.
+    facts : tuple of (str, str)
+        Label and value: range, default.
+    fails : str
+        When it fails and how one sees it.
+    trials : tuple of Trial
+        Parameter sets worth trying.
+    source : str
+    lesson, simulator : str
+        Where to go on; empty where there is none.
+    """
+
+    title: str
+    what: str
+    formula: str
+    effect: str
+    facts: tuple[tuple[str, str], ...]
+    fails: str
+    trials: tuple[Trial, ...]
+    source: str
+    lesson: str
+    simulator: str
+
+
+def lesson_about(algorithm: Algorithm) -> Lesson | None:
+    """Return the lesson about an algorithm, if there is one."""
+    name = f"{algorithm.stage}.{algorithm.name}"
+    for lesson in lessons().values():
+        if lesson.algorithm == name:
+            return lesson
+    return lessons().get(algorithm.learn)
+
+
+def explain_algorithm(algorithm: Algorithm) -> Explanation:
+    """Explain an algorithm."""
+    lesson = lesson_about(algorithm)
+    return Explanation(
+        title=algorithm.label,
+        what=algorithm.summary,
+        formula=lesson.formula if lesson else "",
+        effect="",
+        facts=(),
+        fails=lesson.fails if lesson else "",
+        trials=lesson.trials if lesson else (),
+        source=algorithm.source,
+        lesson=lesson.name if lesson else "",
+        simulator=lesson.simulator if lesson else "",
+    )
+
+
+def explain_parameter(algorithm: Algorithm, name: str) -> Explanation:
+    """Explain one parameter of an algorithm; what there is to try is what concerns this parameter."""
+    declaration = algorithm.params.declarations()[name]
+    about = declaration.about
+    own = lessons().get(about.learn) or lesson_about(algorithm)
+    trials = tuple(t for t in (own.trials if own else ()) if name in t.values)
+    return Explanation(
+        title=about.label,
+        what=about.help,
+        formula=about.symbol,
+        effect=about.effect,
+        facts=(("Possible", declaration.range_text), ("Default", default_text(declaration))),
+        fails="",
+        trials=trials,
+        source=algorithm.source,
+        lesson=own.name if own else "",
+        simulator=own.simulator if own else "",
+    )

@@ -1,0 +1,186 @@
+"""A student's way through a lab: answers, progress that survives, and the hand-in as one HTML page."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass, field
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import jinja2
+
+from graphos_core import __version__
+from graphos_core.data import PhotoSet
+from graphos_core.errors import UserError
+from graphos_core.pipeline import Pipeline
+from graphos_core.simulation.photo_block import simulate_photos
+from graphos_core.simulation.templates import TEMPLATES
+from graphos_core.simulation.truth import Truth, load_truth
+from graphos_core.store import write_text
+from graphos_core.text import Text
+from graphos_didactic.labs import Lab, Outcome, Step, answer_key, check, figure_of, parse_number, student_seed
+
+FILE = "lab.json"
+
+
+@dataclass
+class LabSession:
+    """Progress of one student in one lab.
+
+    Attributes
+    ----------
+    lab : Lab
+    student : str
+    folder : Path
+        Holds ``lab.json``, the simulated block and the project.
+    answers : dict of int to str
+        What was typed, by step.
+    passed : set of int
+        Steps that are done.
+    hints : dict of int to int
+        How many hints were taken, by step.
+    """
+
+    lab: Lab
+    student: str
+    folder: Path
+    answers: dict[int, str] = field(default_factory=dict)
+    passed: set[int] = field(default_factory=set)
+    hints: dict[int, int] = field(default_factory=dict)
+
+    @property
+    def seed(self) -> int:
+        """Seed of the student's own block."""
+        return student_seed(self.student, self.lab.name)
+
+    @property
+    def simulation(self) -> Path:
+        """Folder of the student's block."""
+        return self.folder / "simulation"
+
+    @property
+    def project_folder(self) -> Path:
+        """Folder of the student's project."""
+        return self.folder / "project"
+
+    @property
+    def current(self) -> int:
+        """First step that is not done; the number of steps when all are."""
+        return next((i for i in range(len(self.lab.steps)) if i not in self.passed), len(self.lab.steps))
+
+    def prepare(self, run: Any) -> None:
+        """Make the student's own photo block, unless it is there."""
+        if (self.simulation / "truth" / "cameras.json").exists():
+            return
+        block = self.lab.block
+        params = TEMPLATES[block["template"]].params()
+        simulate_photos(
+            block["template"], self.simulation, params=params, width=block["width"], height=block["height"],
+            photos=block["photos"], seed=self.seed, run=run,
+        )  # fmt: skip
+
+    def truth(self) -> Truth | None:
+        """Return the truth of the student's block; None before it was made."""
+        return load_truth(self.simulation) if (self.simulation / "truth" / "cameras.json").exists() else None
+
+    def answer(self, index: int, text: str, pipeline: Pipeline) -> Outcome:
+        """Judge and keep an answer; progress is saved at once."""
+        outcome = check(self.lab.steps[index], text, pipeline, self.truth())
+        self.answers[index] = text
+        if outcome.passed:
+            self.passed.add(index)
+        self.save()
+        return outcome
+
+    def hint(self, index: int) -> str:
+        """Return the next hint of a step and remember that it was taken."""
+        available = self.lab.steps[index].hints
+        if not available:
+            return "There is no hint for this step."
+        taken = min(self.hints.get(index, 0) + 1, len(available))
+        self.hints[index] = taken
+        self.save()
+        return available[taken - 1]
+
+    def save(self) -> None:
+        """Write the progress."""
+        document = {
+            "lab": self.lab.name,
+            "student": self.student,
+            "answers": {str(k): v for k, v in self.answers.items()},
+            "passed": sorted(self.passed),
+            "hints": {str(k): v for k, v in self.hints.items()},
+        }
+        write_text(self.folder / FILE, json.dumps(document, indent=1, ensure_ascii=False))
+
+    @classmethod
+    def resume(cls, lab: Lab, folder: Path) -> LabSession:
+        """Read the progress from a folder.
+
+        Raises
+        ------
+        UserError
+            When it is of another lab or damaged.
+        """
+        try:
+            document = json.loads((folder / FILE).read_text("utf-8"))
+            if document["lab"] != lab.name:
+                raise ValueError(f"it belongs to the lab {document['lab']}")
+            count = len(lab.steps)
+            return cls(
+                lab, str(document["student"]), folder,
+                {int(k): str(v) for k, v in document["answers"].items() if 0 <= int(k) < count},
+                {int(i) for i in document["passed"] if 0 <= int(i) < count},
+                {int(k): int(v) for k, v in document["hints"].items()},
+            )  # fmt: skip
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as problem:
+            raise UserError(
+                Text("The progress in {folder} cannot be read.", folder=folder), f"{problem}.",
+                "Start the lab in another folder.",
+            ) from problem  # fmt: skip
+
+
+def data_hash(photos: PhotoSet) -> str:
+    """Return a hash of the photos that were used, 16 hexadecimal digits."""
+    return hashlib.sha256("".join(p.digest for p in photos.photos).encode()).hexdigest()[:16]
+
+
+def hand_in(session: LabSession, pipeline: Pipeline) -> str:
+    """Return the hand-in: one HTML page with answers, comparison of predictions, figures, parameters and version."""
+    truth = session.truth()
+    rows = [_row(session, i, step, pipeline, truth) for i, step in enumerate(session.lab.steps)]
+    template = (resources.files("graphos_resources") / "labs" / "hand_in.html.j2").read_text("utf-8")
+    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
+    from graphos_core.report_pictures import report_pictures
+
+    return environment.from_string(template).render(
+        lab=session.lab, student=session.student, seed=session.seed, rows=rows, version=__version__,
+        data=data_hash(pipeline.photos), recipe=pipeline.recipe.to_toml(), pictures=report_pictures(pipeline),
+        done=len(session.passed), total=len(session.lab.steps),
+    )  # fmt: skip
+
+
+def key_page(session: LabSession, pipeline: Pipeline) -> list[tuple[str, str]]:
+    """Return the instructor's key for this student's own block."""
+    return answer_key(session.lab, pipeline, session.truth())
+
+
+def _row(
+    session: LabSession, index: int, step: Step, pipeline: Pipeline, truth: Truth | None
+) -> dict[str, Any]:
+    answer = session.answers.get(index, "")
+    figure = figure_of(step, pipeline, truth)
+    computed = ""
+    if figure is not None:
+        sigma = f" ± {figure.sigma:.2g}" if figure.sigma > 0 else ""
+        computed = f"{figure.label}: {figure.value:.6g}{sigma} {figure.unit}".strip()
+        guess = parse_number(answer)
+        if step.kind == "predict" and guess is not None:
+            computed += f"; predicted {guess:g}"
+    verdict = "" if step.kind == "read" else "done" if index in session.passed else "open"
+    return {
+        "number": index + 1, "kind": step.kind, "title": step.title, "answer": answer, "computed": computed,
+        "verdict": verdict, "hints": session.hints.get(index, 0),
+    }  # fmt: skip

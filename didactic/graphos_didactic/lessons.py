@@ -1,0 +1,190 @@
+"""Lessons: Markdown files with a head in TOML, from the program's resources; numbers in them come from declarations.
+
+A lesson ``resources/graphos_resources/lessons/ROOM/NAME.md`` begins with a head between two lines ``+++``::
+
+    +++
+    title = "Wallis filter"
+    algorithm = "preprocessing.wallis"
+    simulator = "preprocessing/wallis"
+    formula = 'a (g - m) + b'
+    fails = "Where a neighbourhood is empty, only noise is lifted."
+    [[try]]
+    what = "a wide window"
+    values = { window = 101 }
+    +++
+
+In the text ``$…$`` is a formula, and three directives stand for what the program itself knows:
+
+- ``{{preprocessing.wallis.window}}``: default of a parameter with its unit; with ``.range`` its range;
+- ``:::parameters preprocessing.wallis``: table of the parameters;
+- ``:::picture adjustment/intersection PRESET``: the scene of a simulator, drawn by the engine.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import Any
+
+from graphos_core.errors import UserError
+from graphos_core.params import Declaration, unknown_name
+from graphos_core.registry import STAGES, find
+from graphos_core.text import Text
+
+HEAD = re.compile(r"\A\+\+\+\n(.*?)\n\+\+\+\n", re.DOTALL)
+DIRECTIVE = re.compile(r"^:::(\w+) +(.+)$", re.MULTILINE)
+NUMBER = re.compile(r"\{\{(\w+)\.(\w+)\.(\w+)(\.range)?\}\}")
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Something to try: what, and the parameter values that do it."""
+
+    what: str
+    values: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """A lesson.
+
+    Attributes
+    ----------
+    name : str
+        ``"preprocessing/wallis"``.
+    title : str
+    text : str
+        Markdown as written, without the head.
+    algorithm, simulator : str
+        What it is about; empty where there is none.
+    formula : str
+        In mathtext, without dollar signs.
+    fails : str
+        When the method fails and how one sees it.
+    trials : tuple of Trial
+    """
+
+    name: str
+    title: str
+    text: str
+    algorithm: str = ""
+    simulator: str = ""
+    formula: str = ""
+    fails: str = ""
+    trials: tuple[Trial, ...] = ()
+
+    @property
+    def room(self) -> str:
+        """The room it belongs to."""
+        return self.name.partition("/")[0]
+
+    def markdown(self, picture: Callable[[str, str], str]) -> str:
+        """Return the text with directives filled in.
+
+        Parameters
+        ----------
+        picture : callable
+            ``picture(simulator, preset)`` returns the address of the picture for the Markdown.
+        """
+
+        def block(found: re.Match[str]) -> str:
+            words = found[2].split()
+            if found[1] == "parameters":
+                return parameter_table(*words[0].split(".", 1))
+            if found[1] == "picture":
+                preset = words[1] if len(words) > 1 else ""
+                return f"![{self.title}]({picture(words[0], preset)})"
+            raise UserError(
+                Text("The lesson {name} has an unknown directive “{word}”.", name=self.name, word=found[1])
+            )
+
+        return NUMBER.sub(_number, DIRECTIVE.sub(block, self.text))
+
+
+def read_lesson(name: str, source: str) -> Lesson:
+    """Read a lesson from its text.
+
+    Raises
+    ------
+    UserError
+        When the head is missing or wrong.
+    """
+    head = HEAD.match(source)
+    try:
+        if head is None:
+            raise ValueError("it does not begin with +++")
+        about = tomllib.loads(head[1])
+        trials = tuple(Trial(str(t["what"]), dict(t["values"])) for t in about.get("try", ()))
+        plain = {k: str(about.get(k, "")) for k in ("algorithm", "simulator", "formula", "fails")}
+        return Lesson(name, str(about["title"]), source[head.end() :].strip() + "\n", trials=trials, **plain)
+    except (ValueError, KeyError, TypeError) as problem:
+        raise UserError(Text("The lesson {name} cannot be read: {why}.", name=name, why=problem)) from problem
+
+
+@cache
+def lessons() -> dict[str, Lesson]:
+    """Return all lessons by name, in the order of the workflow."""
+    folder = resources.files("graphos_resources") / "lessons"
+    found: dict[str, Lesson] = {}
+    for room in STAGES:
+        if (folder / room).is_dir():
+            for file in sorted((folder / room).iterdir(), key=lambda f: f.name):
+                if file.name.endswith(".md"):
+                    name = f"{room}/{file.name[:-3]}"
+                    found[name] = read_lesson(name, file.read_text("utf-8"))
+    return found
+
+
+def find_lesson(name: str) -> Lesson:
+    """Return a lesson by name.
+
+    Raises
+    ------
+    UserError
+        When there is none of that name.
+    """
+    if name not in lessons():
+        raise UserError(unknown_name(name, list(lessons()), "lesson"))
+    return lessons()[name]
+
+
+def parameter_table(stage: str, name: str) -> str:
+    """Return a Markdown table of an algorithm's parameters, made from their declarations."""
+    rows = ["| parameter | default | possible | effect |", "|---|---|---|---|"]
+    for declaration in find(stage, name).params.declarations().values():
+        about = declaration.about
+        cells = [
+            about.label,
+            default_text(declaration),
+            declaration.range_text,
+            f"{about.help} {about.effect}",
+        ]
+        rows.append("| " + " | ".join(str(cell).replace("|", "\\|") for cell in cells) + " |")
+    return "\n".join(rows)
+
+
+def default_text(declaration: Declaration) -> str:
+    """Return the default of a parameter with its unit."""
+    value = declaration.default
+    if value is None:
+        return "none"
+    shown = (
+        f"{value:g}"
+        if isinstance(value, float)
+        else str(value).lower()
+        if isinstance(value, bool)
+        else str(value)
+    )
+    return f"{shown} {declaration.about.unit}".strip()
+
+
+def _number(found: re.Match[str]) -> str:
+    stage, algorithm, parameter, wants_range = found.groups()
+    declarations = find(stage, algorithm).params.declarations()
+    if parameter not in declarations:
+        raise UserError(unknown_name(parameter, declarations, f"parameter of {stage}.{algorithm}"))
+    return declarations[parameter].range_text if wants_range else default_text(declarations[parameter])
