@@ -31,7 +31,7 @@ class Growth:
         See `IncrementalParams`.
     adjust_growth : float
         Share of new photos after which the block is adjusted, percent.
-    self_calibrate : bool
+    self_calibration : bool
     run : Run
     """
 
@@ -43,12 +43,12 @@ class Growth:
         min_points: int,
         resection_px: float,
         adjust_growth: float,
-        self_calibrate: bool,
+        self_calibration: bool,
         run: Run,
     ) -> None:
         self.block, self.group, self.run = block, group, run
         self.min_points, self.resection_px = min_points, resection_px
-        self.adjust_growth, self.self_calibrate = adjust_growth, self_calibrate
+        self.adjust_growth, self.self_calibration = adjust_growth, self_calibration
         self.reasons: dict[int, str] = {}
         self._tried: dict[int, int] = {}
         self._adjusted_at = 0
@@ -163,7 +163,7 @@ class Growth:
     def _adjust(self) -> None:
         """Adjust the block, reject outliers, intersect what can be intersected now."""
         block = self.block
-        block.adopt(adjusted(block.block(), self_calibrate=self.self_calibrate, run=self.run))
+        block.adopt(adjusted(block.block(), self_calibration=self.self_calibration, run=self.run))
         block.reject()
         block.intersect()
         self._adjusted_at = self.count

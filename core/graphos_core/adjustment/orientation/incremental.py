@@ -138,7 +138,7 @@ class IncrementalParams(Params):
             learn="adjustment/bundle",
         ),
     ] = 20.0
-    self_calibrate: Annotated[
+    self_calibration: Annotated[
         bool,
         About(
             label="Calibrate while orienting",
@@ -286,7 +286,7 @@ def _orient_group(
             min_points=params.min_points,
             resection_px=params.resection_px,
             adjust_growth=params.adjust_growth,
-            self_calibrate=params.self_calibrate,
+            self_calibration=params.self_calibration,
             run=run,
         )
         growth.start(pair)

@@ -29,13 +29,13 @@ class _Quiet(Run):
         return self._outer.stopping()
 
 
-def adjusted(block: Block, *, self_calibrate: bool, run: Run) -> Block:
+def adjusted(block: Block, *, self_calibration: bool, run: Run) -> Block:
     """Adjust a block with a robust function, so that wrong observations hardly pull.
 
-    With `self_calibrate` the principal distance and radial distortion of each camera are free once enough of its
+    With `self_calibration` the principal distance and radial distortion of each camera are free once enough of its
     photos are oriented; the principal point stays. Should a calibration run off, the cameras are held fixed.
     """
-    free = _freed(block) if self_calibrate else ()
+    free = _freed(block) if self_calibration else ()
     result = adjust_block(block, Freedom(interior=free), OPTIONS, run=_Quiet(run)).block
     if any(free) and not all(
         _plausible(new, old) for new, old in zip(result.cameras, block.cameras, strict=True)

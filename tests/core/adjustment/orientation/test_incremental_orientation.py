@@ -28,7 +28,7 @@ from graphos_core.simulation.templates import (
 )
 
 CAMERA = Camera(model="basic", width=1600, height=1200, values=np.array([1500.0, 799.5, 599.5, -0.06, 0.02]))
-FIXED = IncrementalParams(self_calibrate=False)
+FIXED = IncrementalParams(self_calibration=False)
 Case = tuple[PhotoSet, Tracks, list[PairMatches]]
 
 

@@ -35,7 +35,9 @@ def door(data_dir: Path) -> tuple[PhotoSet, Tracks, list[PairMatches]]:
         return cv2.cvtColor(colour, cv2.COLOR_RGB2GRAY), colour
 
     sift, mutual, usac, tracks = (find("features", name) for name in ("sift", "mutual", "usac", "tracks"))
-    features = detect_all(len(photos.photos), read, sift, sift.params().replace(maximum=3000, reduction=2.0), RUN)
+    features = detect_all(
+        len(photos.photos), read, sift, sift.params().replace(maximum=3000, reduction=2.0), RUN
+    )
     cameras = [photos.cameras[photo.camera] for photo in photos.photos]
     pairs = match_all(features, cameras, (mutual, mutual.params()), (usac, usac.params()), RUN)
     return photos, tracks.function(features, pairs, tracks.params(), run=RUN), pairs
