@@ -17,6 +17,7 @@ import numpy as np
 from graphos_core.data import Array, Block, Cloud, Features, PhotoSet
 from graphos_core.errors import ItemFailure, UserError
 from graphos_core.images import read_pixels
+from graphos_core.preprocessing.grey import eight_bit
 from graphos_core.registry import Stage
 from graphos_core.run import Run, each
 from graphos_core.text import Text
@@ -58,7 +59,7 @@ class Step:
 def photo_grey_and_colour(pipeline: Pipeline, index: int) -> tuple[Array, Array]:
     """Return photo `index` as features see it, uint8 grey (h, w), and its colours (h, w, 3)."""
     photo = pipeline.photos.photos[index]
-    colour = to_uint8(read_pixels(photo))
+    colour = eight_bit(read_pixels(photo))
     files = pipeline.value("images").files
     if files:
         grey = cv2.imdecode(
@@ -75,15 +76,6 @@ def photo_grey_and_colour(pipeline: Pipeline, index: int) -> tuple[Array, Array]
 def files_path(pipeline: Pipeline, name: str) -> Path:
     """Return the path of a file that belongs to the preprocessing result."""
     return pipeline.project.store.path("images", pipeline.key("images")) / name
-
-
-def to_uint8(pixels: Array) -> Array:
-    """Return 8-bit pixels; 16 bit is stretched from its 0.1 % to its 99.9 % quantile."""
-    if pixels.dtype == np.uint8:
-        return pixels
-    low, high = np.percentile(pixels, (0.1, 99.9))
-    scaled = (pixels.astype(np.float32) - low) * (255.0 / max(high - low, 1.0))
-    return np.clip(np.rint(scaled), 0, 255).astype(np.uint8)
 
 
 def _images(pipeline: Pipeline, folder: Path, run: Run) -> Any:
@@ -171,7 +163,7 @@ def _known(pipeline: Pipeline) -> Any:
 
 def block_reader(photos: PhotoSet) -> Callable[[int], Array]:
     """Return a function that reads photo i as uint8 RGB (h, w, 3) or grey (h, w)."""
-    return lambda index: to_uint8(read_pixels(photos.photos[index]))
+    return lambda index: eight_bit(read_pixels(photos.photos[index]))
 
 
 def _depth(pipeline: Pipeline, folder: Path, run: Run) -> Any:

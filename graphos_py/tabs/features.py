@@ -155,9 +155,9 @@ class FeaturesTab(StageTab):
 
         def work(run: Run) -> tuple[int, Array, Array]:
             from graphos_core.images import read_pixels
-            from graphos_core.steps import to_uint8
+            from graphos_core.preprocessing.grey import eight_bit
 
-            return index, to_uint8(read_pixels(a)), to_uint8(read_pixels(b))
+            return index, eight_bit(read_pixels(a)), eight_bit(read_pixels(b))
 
         self._pair_job = Job(work, name="pair", engine=False)
         self._pair_job.succeeded.connect(self._pair_read)

@@ -177,9 +177,9 @@ def read_photo(session: Session, photo: Photo, then: Any) -> Job:
 
     def work(run: Run) -> tuple[str, Any]:
         from graphos_core.images import read_pixels
-        from graphos_core.steps import to_uint8
+        from graphos_core.preprocessing.grey import eight_bit
 
-        return photo.digest, to_uint8(read_pixels(photo))
+        return photo.digest, eight_bit(read_pixels(photo))
 
     job = Job(work, name=f"photo {photo.name}", engine=False)
     job.succeeded.connect(then)

@@ -18,14 +18,14 @@ from graphos_py.translation import tr
 def filtered(photo: Photo, chain: list[tuple[Any, Any]], run: Run) -> tuple[Array, Array | None]:
     """Read a photo and apply a chain of filters to it; uint8 before and after, None without filters."""
     from graphos_core.images import read_pixels
-    from graphos_core.steps import to_uint8
+    from graphos_core.preprocessing.grey import eight_bit
 
     pixels = read_pixels(photo)
     image = pixels
     for algorithm, params in chain:
         run.check()
         image = algorithm.function(image, params, run=run)
-    return to_uint8(pixels), to_uint8(image) if chain else None
+    return eight_bit(pixels), eight_bit(image) if chain else None
 
 
 def stored(photo: Photo, file: Path) -> tuple[Array, Array | None]:
@@ -33,12 +33,12 @@ def stored(photo: Photo, file: Path) -> tuple[Array, Array | None]:
     import cv2
 
     from graphos_core.images import read_pixels
-    from graphos_core.steps import to_uint8
+    from graphos_core.preprocessing.grey import eight_bit
 
     after = cv2.imdecode(np.fromfile(file, dtype=np.uint8), cv2.IMREAD_UNCHANGED)
     if after is not None and after.ndim == 3:
         after = cv2.cvtColor(after, cv2.COLOR_BGR2RGB)
-    return to_uint8(read_pixels(photo)), after
+    return eight_bit(read_pixels(photo)), after
 
 
 class PreprocessingTab(StageTab):
@@ -50,6 +50,7 @@ class PreprocessingTab(StageTab):
         "Here you will compare each photo with its filtered version, live while you change a parameter. "
         "Open or make a project first.",
     )
+    empty_action = ""
 
     def __init__(self, session: Any, level: Any = "student") -> None:
         super().__init__(session, level)
@@ -59,7 +60,6 @@ class PreprocessingTab(StageTab):
         self._later.timeout.connect(self._preview)
         session.recipe_changed.connect(self._form_changed)
         session.run_changed.connect(self._later.start)
-        self.empty_state.button.hide()
 
     @property
     def keeps_views(self) -> bool:  # type: ignore[override]
