@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from graphos_core.data.record import Array
-from graphos_core.simulation.patches import Finish, Patch, box, extrude, pierced, plane, revolve
+from graphos_core.simulation.patches import Finish, Patch, box, curved, extrude, pierced, plane, revolve
 from graphos_core.simulation.scene import Design
 from graphos_core.simulation.texture_kernels import ASHLAR, BRICK, GLASS, GROUND, PAVING, PLASTER, STONE, WOOD
 
@@ -116,8 +116,6 @@ def _niche(x: float, seed: int) -> list[Patch]:
 
 def _archivolt(x: float, spring: float, radius: float, seed: int) -> list[Patch]:
     """Stone ring round the niche's arch, standing 5 cm proud of the wall, and its two jambs."""
-    from graphos_core.simulation.patches import curved
-
     stone = Finish(STONE, seed + 7, 0.5)
     section = np.array([[0.0, -0.05], [0.17, -0.05], [0.17, 0.0]])  # outwards from the arch, and y
     angle = np.linspace(np.pi, 0.0, 33)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 import json
 from pathlib import Path
@@ -11,12 +10,13 @@ import numpy as np
 
 from graphos_core.cameras import camera_model
 from graphos_core.data.cameras import Camera
-from graphos_core.data.record import Array, record
+from graphos_core.data.record import record
 from graphos_core.errors import UserError
 from graphos_core.exchange.ply import write_ply_mesh
 from graphos_core.geometry.rotation import opk_from_matrix
 from graphos_core.params import Params
 from graphos_core.run import Run, each
+from graphos_core.simulation.control_targets import CONTROL_SIGMA_PX, write_control
 from graphos_core.simulation.renderer import (
     RayGrid,
     SensorParams,
@@ -26,17 +26,13 @@ from graphos_core.simulation.renderer import (
     render,
 )
 from graphos_core.simulation.scene import Scene, build_scene
-from graphos_core.simulation.targets import MARGIN, NUMBER_HEIGHT
 from graphos_core.simulation.templates import Stations, place, template
 from graphos_core.simulation.truth import Truth, load_truth
-from graphos_core.simulation.visibility import incidence, project_inside, unobstructed
 from graphos_core.store import cannot_write, write_bytes, write_text
 from graphos_core.text import Text
 
 __all__ = ["SimulatedBlock", "Truth", "demo_camera", "load_truth", "simulate_photos"]
 
-CONTROL_SIGMA_PX = 0.1
-"""Standard deviation of the Gaussian noise on each coordinate of the target measurements, px."""
 TEXEL_PER_GSD = 0.7
 """Size of a texel in ground sampling distances: fine enough to stay sharp, coarse enough not to alias."""
 
@@ -138,7 +134,7 @@ def simulate_photos(
     stations = place(template_name, sheet).first(photos or 10**6)
     names = tuple(f"{name}.jpg" for name in stations.names)
     _prepare(out, names)
-    grid = ray_grid(camera, sensor.supersampling)
+    grid = ray_grid(camera, sensor.supersampling, run)
     if not isinstance(scene, Scene):
         scene = build_scene(
             scene or found.scene, seed=seed, texel_m=_texel(stations, camera, scene or found.scene), run=run
@@ -149,7 +145,7 @@ def simulate_photos(
         rng = np.random.default_rng([seed, i])
         distances.append(_take(scene, grid, stations, i, sensor, rng, out, names[i], run))
     distance = float(np.mean(distances))
-    _write_control(scene, camera, stations, names, out, seed)
+    write_control(scene, camera, stations, names, out, seed)
     write_ply_mesh(out / "truth" / "mesh.ply", scene.mesh)
     gsd = distance / camera.focal_px
     # the truth's index comes last: where it exists, the block is complete
@@ -255,57 +251,3 @@ def _index(
             for name, rotation, centre in zip(names, stations.rotations, stations.centres, strict=True)
         ],
     }
-
-
-def _write_control(
-    scene: Scene, camera: Camera, stations: Stations, names: tuple[str, ...], out: Path, seed: int
-) -> None:
-    if not scene.targets:
-        return
-    points = io.StringIO()
-    table = csv.writer(points, lineterminator="\n")
-    table.writerow(["name", "x [m]", "y [m]", "z [m]", "role"])
-    for target in scene.targets:
-        table.writerow(
-            [target.name, *(f"{v:.6f}" for v in target.xyz), "check" if target.check else "control"]
-        )
-    write_text(out / "control.csv", points.getvalue())
-    measured = io.StringIO()
-    table = csv.writer(measured, lineterminator="\n")
-    table.writerow(["photo", "name", "x [px]", "y [px]"])
-    rng = np.random.default_rng([seed, 1_000_003])
-    for i, name in enumerate(names):
-        pixels, seen = visible_targets(scene, camera, stations.rotations[i], stations.centres[i])
-        noisy = pixels + CONTROL_SIGMA_PX * rng.standard_normal(pixels.shape)
-        for k in np.flatnonzero(seen):
-            table.writerow([name, scene.targets[k].name, f"{noisy[k, 0]:.4f}", f"{noisy[k, 1]:.4f}"])
-    write_text(out / "control_measurements.csv", measured.getvalue())
-
-
-def visible_targets(scene: Scene, camera: Camera, rotation: Array, centre: Array) -> tuple[Array, Array]:
-    """Return the exact images (k, 2) of all target centres, px, and which of them can be measured, bool (k,).
-
-    A target can be measured when its whole plate is inside the format and nothing hides its centre or corners,
-    and its surface is seen under at most 70° from the normal.
-    """
-    centres = np.array([target.xyz for target in scene.targets])
-    normals = np.array([target.normal for target in scene.targets])
-    radius = np.array([target.diameter / 2 for target in scene.targets])[:, None]
-    along = np.cross([0.0, 0.0, 1.0], normals)
-    up = np.cross(normals, along)
-    pixels, seen = project_inside(camera, rotation, centre, centres)
-    seen &= incidence(normals, centres, centre) > np.cos(np.radians(70.0))
-    seen &= unobstructed(scene.caster, centres, normals, centre)
-    low = MARGIN + NUMBER_HEIGHT
-    for a, b in (
-        (-MARGIN, MARGIN),
-        (MARGIN, MARGIN),
-        (-MARGIN, -low),
-        (MARGIN, -low),
-        (0.0, 1.0),
-        (0.0, -1.0),
-    ):
-        corner = centres + radius * (a * along + b * up)
-        seen &= project_inside(camera, rotation, centre, corner)[1]
-        seen &= unobstructed(scene.caster, corner, normals, centre)
-    return pixels, seen

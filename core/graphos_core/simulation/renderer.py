@@ -91,18 +91,19 @@ class RayGrid:
     fine: Array
 
 
-def ray_grid(camera: Camera, side: int = 2) -> RayGrid:
+def ray_grid(camera: Camera, side: int = 2, run: Run | None = None) -> RayGrid:
     """Return the rays of a camera by inverting its own model for every sample, to 1e-10 px.
 
     Raises
     ------
     UserError
         When the distortion does not map the whole format one to one.
+    Stopped
     """
     x, y = np.arange(camera.width, dtype=float), np.arange(camera.height, dtype=float)
     fine_x = (np.arange(camera.width * side) + 0.5) / side - 0.5
     fine_y = (np.arange(camera.height * side) + 0.5) / side - 0.5
-    grid = RayGrid(camera, side, _directions(camera, x, y), _directions(camera, fine_x, fine_y))
+    grid = RayGrid(camera, side, _directions(camera, x, y, run), _directions(camera, fine_x, fine_y, run))
     if not (np.isfinite(grid.centre).all() and np.isfinite(grid.fine).all()):
         raise UserError(
             "This camera cannot be simulated.",
@@ -112,9 +113,14 @@ def ray_grid(camera: Camera, side: int = 2) -> RayGrid:
     return grid
 
 
-def _directions(camera: Camera, x: Array, y: Array) -> Array:
-    pixels = np.stack(np.meshgrid(x, y), axis=-1)
-    return ray_from_pixel(camera, pixels.reshape(-1, 2)).reshape(*pixels.shape[:2], 3)
+def _directions(camera: Camera, x: Array, y: Array, run: Run | None) -> Array:
+    out = np.empty((len(y), len(x), 3))
+    for first in range(0, len(y), ROW_BLOCK):
+        (run or Run()).check()
+        rows = slice(first, first + ROW_BLOCK)
+        pixels = np.stack(np.meshgrid(x, y[rows]), axis=-1)
+        out[rows] = ray_from_pixel(camera, pixels.reshape(-1, 2)).reshape(*pixels.shape[:2], 3)
+    return out
 
 
 def render(
@@ -147,7 +153,7 @@ def render(
     """
     camera = grid.camera
     rotation, centre = np.ascontiguousarray(rotation), np.ascontiguousarray(centre)
-    shape, pixel = (camera.height, camera.width), 1.0 / camera.focal_px
+    side, shape, pixel = grid.side, (camera.height, camera.width), 1.0 / camera.focal_px
     depth, primitive = np.empty(shape, np.float32), np.empty(shape, np.uint32)
     for first in range(0, camera.height, ROW_BLOCK):
         (run or Run()).check()
@@ -163,12 +169,17 @@ def render(
     planes, gradients = scene.planes
     tiles = (scene.patch_of_triangle, scene.texels, scene.table, scene.texel_of_patch)
     classify(grid.centre, rotation, centre, depth, primitive, planes, scene.patch_of_triangle, pixel, kind)
-    shade_plain(grid.fine, rotation, centre, kind, primitive, planes, gradients, *tiles, pixel, light)
+    for first in range(0, camera.height, ROW_BLOCK):
+        (run or Run()).check()
+        rows, fine = slice(first, first + ROW_BLOCK), slice(first * side, (first + ROW_BLOCK) * side)
+        shade_plain(
+            grid.fine[fine], rotation, centre, kind[rows], primitive[rows], planes, gradients, *tiles, pixel, light[rows]
+        )  # fmt: skip
     several = np.argwhere(kind == SEVERAL)
     for first in range(0, len(several), PIXEL_BLOCK):
         (run or Run()).check()
         where = several[first : first + PIXEL_BLOCK]
-        rays = np.empty((len(where) * grid.side**2, 6), np.float32)
+        rays = np.empty((len(where) * side**2, 6), np.float32)
         fine_rays(grid.fine, rotation, centre, where, rays)
         hit = _cast(scene, rays)
         shade_rays(

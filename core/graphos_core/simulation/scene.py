@@ -18,6 +18,8 @@ from graphos_core.simulation.patches import Patch
 from graphos_core.simulation.textures import bake_albedo, bake_light, pyramid
 
 LEVELS = 8
+MAX_TEXELS = 80e6
+"""Finer textures than this would take more than 350 MB; they are baked coarser instead."""
 TOWARDS_SUN = np.array([-0.52, -0.66, 0.62]) / np.linalg.norm([-0.52, -0.66, 0.62])
 
 
@@ -159,7 +161,9 @@ def bake_scene(
     patches = design.patches
     vertices, triangles, owner, shares = _assemble(patches)
     caster = ray_caster(vertices, triangles)
-    texel_of_patch = np.array([texel_m * patch.coarse for patch in patches])
+    coarse = np.array([patch.coarse for patch in patches])
+    texels_at_1_m = sum(np.prod(patch.size) / patch.coarse**2 for patch in patches)
+    texel_of_patch = max(texel_m, float(np.sqrt(texels_at_1_m / MAX_TEXELS))) * coarse
     bake = partial(_bake, patches, texel_of_patch, caster, seed)
     levels = map_items(run or Run(), bake, range(len(patches)), "textures")
     shapes = np.array([[tile.shape[:2] for tile in tiles] for tiles in levels])

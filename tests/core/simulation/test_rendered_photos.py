@@ -13,8 +13,8 @@ from graphos_core.cameras import pixel_from_ray
 from graphos_core.data import Camera
 from graphos_core.errors import UserError
 from graphos_core.geometry.rotation import look_at
+from graphos_core.simulation.control_targets import visible_targets
 from graphos_core.simulation.patches import Finish, plane
-from graphos_core.simulation.photo_block import visible_targets
 from graphos_core.simulation.render_kernels import fine_rays, shade_rays
 from graphos_core.simulation.renderer import SensorParams, expose, jpeg_bytes, ray_grid, render
 from graphos_core.simulation.scene import Design, bake_scene, build_scene

@@ -9,13 +9,14 @@ import pytest
 
 from graphos_core.cameras import pixel_from_ray
 from graphos_core.data import Block
-from graphos_core.errors import UserError
+from graphos_core.errors import Stopped, UserError
 from graphos_core.exchange.control import read_control
 from graphos_core.geometry.rotation import matrix_from_vector
 from graphos_core.geometry.similarity import Similarity
 from graphos_core.run import Run
 from graphos_core.simulation.comparison import camera_centre_errors, coverage, surface_errors
-from graphos_core.simulation.photo_block import CONTROL_SIGMA_PX, load_truth, simulate_photos
+from graphos_core.simulation.control_targets import CONTROL_SIGMA_PX
+from graphos_core.simulation.photo_block import load_truth, simulate_photos
 
 SIZE = {"width": 320, "height": 240, "photos": 3}
 
@@ -77,6 +78,25 @@ def test_target_measurements_are_projections_with_the_documented_noise(folder, t
     noise = measured.xy - pixel_from_ray(truth.cameras[0], local)
     assert len(noise) > 15
     assert noise.std() == pytest.approx(CONTROL_SIGMA_PX, rel=5 / np.sqrt(2 * noise.size))
+
+
+@pytest.mark.parametrize("template", ["couple", "triple", "grid", "orbital"])
+def test_every_template_can_be_photographed_and_sees_its_object_in_the_middle(template, tmp_path):
+    made = simulate_photos(template, tmp_path, width=96, height=72, photos=2)
+    truth = load_truth(tmp_path)
+    assert len(made.names) == len(truth.names) == 2
+    for i in range(2):
+        depth = truth.depth(i)
+        assert np.isfinite(depth).mean() > 0.25
+        assert depth[36, 48] == pytest.approx(truth.object_distance_m, rel=0.35)
+
+
+def test_stopping_ends_the_simulation_without_an_index(tmp_path):
+    run = Run()
+    run.stop()
+    with pytest.raises(Stopped):
+        simulate_photos("couple", tmp_path, run=run, width=96, height=72)
+    assert not (tmp_path / "truth" / "cameras.json").exists()
 
 
 def test_photos_of_another_block_in_the_folder_are_not_mixed_in(tmp_path):
