@@ -10,11 +10,12 @@ from pathlib import Path
 from typing import Protocol
 
 import numpy as np
-from PySide6.QtCore import QCoreApplication, QPoint, QSize
+from PySide6.QtCore import QPoint, QSize
 from PySide6.QtGui import QAction, QImage, QPainter
 from PySide6.QtWidgets import QApplication, QFileDialog, QMenu, QMessageBox, QWidget
 
 from graphos_core.data.record import Array
+from graphos_py.translation import tr
 from graphos_py.views.background import Background
 
 Writer = Callable[[Path], None]
@@ -24,11 +25,6 @@ class Exportable(Protocol):
     """A view that can be exported: writers by file ending, the best first."""
 
     def exports(self) -> dict[str, Writer]: ...
-
-
-def tr(text: str) -> str:
-    """Translate a sentence of this file."""
-    return QCoreApplication.translate("export", text)
 
 
 def image_from_array(array: Array) -> QImage:
@@ -55,7 +51,7 @@ def write_png(widget: QWidget, path: Path, scale: float = 2.0) -> None:
     image.setDevicePixelRatio(scale)
     widget.render(image)
     if not image.save(str(path)):
-        raise OSError(tr("The file {path} could not be written.").format(path=path))
+        raise OSError(tr("The file {path} could not be written.", path=path))
 
 
 def write_svg(widget: QWidget, path: Path, title: str = "") -> None:
@@ -69,7 +65,7 @@ def write_svg(widget: QWidget, path: Path, title: str = "") -> None:
     generator.setTitle(title)
     painter = QPainter()
     if not painter.begin(generator):
-        raise OSError(tr("The file {path} could not be written.").format(path=path))
+        raise OSError(tr("The file {path} could not be written.", path=path))
     widget.render(painter, QPoint(0, 0))
     painter.end()
 
@@ -99,7 +95,7 @@ def export_menu(view: QWidget, writers: dict[str, Writer], extra: Sequence[QActi
     copy = menu.addAction(tr("Copy picture"))
     copy.triggered.connect(lambda: QApplication.clipboard().setPixmap(view.grab()))
     for ending, write in writers.items():
-        action = menu.addAction(tr("Export {ending}…").format(ending=ending.upper()))
+        action = menu.addAction(tr("Export {ending}…", ending=ending.upper()))
         action.triggered.connect(lambda _=False, e=ending, w=write: ask_and_write(view, e, w))
     return menu
 
@@ -122,7 +118,7 @@ def ask_and_write(view: QWidget, ending: str, write: Writer) -> None:
 
 def _tell_failure(view: QWidget, result: object) -> None:
     if isinstance(result, Exception):
-        QMessageBox.warning(view, tr("Export"), tr("Nothing was written: {why}").format(why=result))
+        QMessageBox.warning(view, tr("Export"), tr("Nothing was written: {why}", why=result))
 
 
 def _plain(cell: object) -> object:

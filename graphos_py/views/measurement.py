@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from PySide6.QtCore import QCoreApplication
 
 from graphos_core.data.record import Array
 from graphos_core.number_format import THIN_SPACE, group_thousands
+from graphos_py.translation import tr
 from graphos_py.views.cloud_scene import CloudScene
 
 
@@ -49,9 +49,9 @@ class Measurement:
         """Return what is measured, for people; empty without points."""
         distance, angle = self.distance(), self.angle()
         if distance is not None:
-            return _tr("distance {d}").format(d=length_text(self.scene, distance))
+            return tr("distance {d}", d=length_text(self.scene, distance))
         if angle is not None:
-            return _tr("angle at the second point {a}°").format(a=f"{math.degrees(angle):.2f}")
+            return tr("angle at the second point {a}°", a=f"{math.degrees(angle):.2f}")
         return coordinates_text(self.scene, self.points[0]) if self.points else ""
 
     def _places(self) -> Array:
@@ -71,7 +71,3 @@ def length_text(scene: CloudScene, length: float) -> str:
 
 def _decimals(scene: CloudScene) -> int:
     return max(0, min(9, 4 - math.floor(math.log10(scene.extent()))))
-
-
-def _tr(text: str) -> str:
-    return QCoreApplication.translate("Measurement", text)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from PySide6.QtCore import QCoreApplication, QLineF, QPointF, QRectF, Qt
+from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen
 
 from graphos_core.data.record import Array
-from graphos_core.number_format import THIN_SPACE, format_value
+from graphos_core.number_format import format_value
+from graphos_py.translation import tr
 from graphos_py.views.painting import plate, round_step
 from graphos_py.views.pixel_canvas import PixelCanvas
 
@@ -94,14 +95,8 @@ class VectorLayer:
         per_px = self.exaggeration * self.canvas.zoom
         shown = round_step(80.0 / per_px)
         length = shown * per_px
-        text = (
-            f"{format_value(shown, digits=1, unit='px')} {self.label}"
-            + THIN_SPACE
-            + "  "
-            + QCoreApplication.translate("VectorLayer", "drawn {factor}× longer").format(
-                factor=format_value(self.exaggeration, digits=2)
-            )
-        )
+        longer = tr("drawn {factor}× longer", factor=format_value(self.exaggeration, digits=2))
+        text = f"{format_value(shown, digits=1, unit='px')} {self.label}   {longer}"
         metrics = painter.fontMetrics()
         width = length + metrics.horizontalAdvance(text) + 32
         box = QRectF(12, self.canvas.height() - metrics.height() - 24, width, metrics.height() + 12)
