@@ -27,13 +27,11 @@ class EmptyState(QWidget):
         self.heading.setProperty("role", "heading")
         self.text = QLabel(tr(text))
         self.text.setWordWrap(True)
-        self.text.setMaximumWidth(560)
         self.button = QPushButton(tr(action))
         self.button.setVisible(bool(action))
         self.button.clicked.connect(self.acted)
         for label in (self._picture, self.heading, self.text):
             label.setAlignment(Qt.AlignmentFlag.AlignCenter)
-        self.text.setMinimumWidth(min(420, self.text.maximumWidth()))
         for widget in (self._picture, self.heading, self.text, self.button):
             column.addWidget(widget, 0, Qt.AlignmentFlag.AlignHCenter)
         column.addStretch(3)
@@ -46,7 +44,11 @@ class EmptyState(QWidget):
         self.text.setText(tr(text))
         self.button.setText(tr(action))
         self.button.setVisible(bool(action))
+        self._draw()
 
     def _draw(self) -> None:
+        width = theme().px(480)
+        self.text.setFixedWidth(width)
+        self.text.setMinimumHeight(self.text.heightForWidth(width))
         size = theme().px(48)
         self._picture.setPixmap(icon(self._symbol, "muted").pixmap(QSize(size, size)))

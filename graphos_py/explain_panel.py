@@ -27,11 +27,14 @@ class ExplainPanel(QScrollArea):
     -------
     lesson : str
         The person wants to read a lesson.
+    simulator : str
+        The person wants to open a simulator.
     tried : str, dict
         "Try this": parameter values to set, with the name of the algorithm.
     """
 
     lesson = Signal(str)
+    simulator = Signal(str)
     tried = Signal(str, object)
 
     def __init__(self, jobs: Jobs, parent: QWidget | None = None) -> None:
@@ -86,10 +89,12 @@ class ExplainPanel(QScrollArea):
             column.addWidget(label)
         elif paragraph.kind == "picture" and paragraph.picture is not None:
             column.addWidget(_picture(paragraph.picture, theme().px(260)))
-        elif paragraph.kind == "lesson":
-            button = QPushButton(tr("Read the lesson"))
+        elif paragraph.kind in ("lesson", "simulator"):
+            lesson = paragraph.kind == "lesson"
+            button = QPushButton(tr("Read the lesson") if lesson else tr("Open the simulator"))
             button.setProperty("role", "link")
-            button.clicked.connect(lambda: self.lesson.emit(paragraph.text))
+            told = self.lesson if lesson else self.simulator
+            button.clicked.connect(lambda: told.emit(paragraph.text))
             column.addWidget(button)
         elif paragraph.kind == "try":
             button = QPushButton(tr("Try this: {what}", what=tr(paragraph.text)))

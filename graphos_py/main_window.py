@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from PySide6.QtCore import QByteArray, QSize, Qt, QTimer, Signal
-from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QShowEvent
+from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import (
     QDockWidget,
     QMainWindow,
@@ -17,7 +17,7 @@ from PySide6.QtWidgets import (
 )
 
 from graphos_core.params import Level
-from graphos_core.registry import STAGES, Algorithm, Stage
+from graphos_core.registry import STAGES, Stage
 from graphos_py.dialogs import BugDialog, ask_to_close, ask_where_photos_are
 from graphos_py.explain_panel import ExplainPanel
 from graphos_py.icons import bind_icon
@@ -165,7 +165,8 @@ class MainWindow(QMainWindow):
         self.tree.asked.connect(project.ask)
         self.tree.run_chosen.connect(project.use_run)
         self.tree.run_deleted.connect(project.delete_run)
-        self.explain.lesson.connect(self.show_lesson)
+        self.explain.lesson.connect(lambda name: self._learn("open_lesson", name))
+        self.explain.simulator.connect(lambda name: self._learn("open_simulator", name))
         self.explain.tried.connect(self._try)
         for stage in STAGES:
             self.stage_tab(stage).explained.connect(self.explain.explain)
@@ -213,14 +214,14 @@ class MainWindow(QMainWindow):
 
             layout.addWidget(make_learn_tab(self.session))
 
-    def show_lesson(self, lesson: str) -> None:
-        """Open a lesson in the Learn tab."""
+    def _learn(self, what: str, name: str) -> None:
+        """Open a lesson or a simulator in the Learn tab."""
         self.show_tab("learn")
         layout = self.learn_page.layout()
         item = layout.itemAt(0) if layout is not None else None
         tab = item.widget() if item is not None else None
-        if tab is not None and hasattr(tab, "open_lesson"):
-            tab.open_lesson(lesson)
+        if tab is not None and hasattr(tab, what):
+            getattr(tab, what)(name)
 
     def _try(self, name: str, values: dict[str, object]) -> None:
         recipe = self.session.recipe
@@ -343,20 +344,12 @@ class MainWindow(QMainWindow):
             self.messages.add("warning", problem)
         self.session.engine_ready()
 
-    def explain_algorithm(self, algorithm: Algorithm) -> None:
-        """Explain an algorithm."""
-        self.explain.explain(algorithm)
-
     def _restore(self) -> None:
         geometry, state = self.settings.layout("geometry"), self.settings.layout("docks")
         if not geometry.isEmpty():
             self.restoreGeometry(geometry)
         if not state.isEmpty():
             self.restoreState(state, LAYOUT_VERSION)
-
-    def showEvent(self, event: QShowEvent) -> None:
-        """Give the docks their first sizes once the window has its own."""
-        super().showEvent(event)
 
     def sizeHint(self) -> QSize:
         """Ask for a laptop's screen."""

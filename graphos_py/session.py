@@ -11,7 +11,7 @@ from PySide6.QtCore import QObject, QTimer, Signal, Slot
 
 from graphos_core.errors import GraphosError, ParamError, UserError
 from graphos_core.params import Params
-from graphos_core.registry import STAGES, Stage
+from graphos_core.registry import STAGES, Stage, candidate_stage
 from graphos_core.run import Run
 from graphos_core.text import Text
 from graphos_py.jobs import Job, Jobs, TimeLeft
@@ -62,15 +62,14 @@ def load_engine() -> None:
     registry.algorithms()
 
 
-def _latest(pipeline: Pipeline, stages: Sequence[Stage]) -> dict[Stage, Any]:
-    """Read the last complete result of each stage; one that cannot be read counts as none."""
-    found: dict[Stage, Any] = {}
+def _read_latest(pipeline: Pipeline, stages: Sequence[Stage], run: Run) -> None:
+    """Show the last complete result of each stage; one that cannot be read counts as none."""
     for stage in stages:
+        run.check()
         try:
-            found[stage] = pipeline.latest(stage)
+            run.show(stage, (pipeline, pipeline.latest(stage)))
         except GraphosError:  # the stage's state says why
-            found[stage] = None
-    return found
+            run.show(stage, (pipeline, None))
 
 
 class Session(QObject):
@@ -104,6 +103,7 @@ class Session(QObject):
         self._job: Job | None = None
         self._goal: Stage | None = None
         self._left = TimeLeft()
+        self._loading = 0
         self._saving = QTimer(self, singleShot=True, interval=400)
         self._saving.timeout.connect(self.save_recipe)
 
@@ -218,20 +218,39 @@ class Session(QObject):
     def load_results(self, stages: Sequence[Stage] = STAGES) -> None:
         """Read the last complete results of stages in the background."""
         pipeline = self.pipeline
-        if pipeline is not None:
-            wanted = tuple(stages)
-            self._read(lambda run: (pipeline, _latest(pipeline, wanted)), self._results_read)
-
-    def _results_read(self, read: tuple[Any, dict[Stage, Any]]) -> None:
-        pipeline, results = read
-        if self.pipeline is None or pipeline.project is not self.pipeline.project:
+        if pipeline is None:
             return
-        for stage, result in results.items():
-            if result is not None:
-                self.results[stage] = result
-            else:
-                self.results.pop(stage, None)
-            self.results_changed.emit(stage)
+        wanted = tuple(stages)
+        job = Job(lambda run: _read_latest(pipeline, wanted, run), name="results", engine=False)
+        job.shown.connect(self._result_read)
+        job.failed.connect(self.tell)
+        job.finished.connect(self._results_read)
+        self._loading += 1
+        self.jobs.start(job)
+
+    @property
+    def loading(self) -> bool:
+        """Whether stored results are being read."""
+        return self._loading > 0
+
+    @Slot(str, object)
+    def _result_read(self, stage: str, read: list[tuple[Pipeline, Any]]) -> None:
+        pipeline, result = read[-1]
+        known = candidate_stage(stage)
+        if self.pipeline is None or pipeline.project is not self.pipeline.project or self.running == known:
+            return
+        if result is not None:
+            self.results[known] = result
+        else:
+            self.results.pop(known, None)
+        self.results_changed.emit(stage)
+
+    @Slot()
+    def _results_read(self) -> None:
+        self._loading -= 1
+        for stage in STAGES:
+            if stage not in self.results:
+                self.results_changed.emit(stage)
         self.states_changed.emit()
 
     # ------------------------------------------------------------------------------------------------- runs

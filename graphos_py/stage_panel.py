@@ -192,7 +192,7 @@ class StagePanel(QScrollArea):
         """Make the column as wide as its widest field, so that nothing has to be scrolled sideways."""
         page = self.widget()
         needed = page.minimumSizeHint().width() if page is not None else 0
-        self.setMinimumWidth(max(theme().px(300), needed + self.verticalScrollBar().sizeHint().width()))
+        self.setMinimumWidth(max(theme().px(345), needed + self.verticalScrollBar().sizeHint().width()))
 
     def _heading(self, role: str, algorithms: list[Algorithm], chain: bool) -> QHBoxLayout:
         row = QHBoxLayout()

@@ -28,6 +28,7 @@ class StageTab(QWidget):
     stage: Stage
     symbol = ""
     empty = ("", "")
+    empty_action = "Run"
     explained = Signal(object, str)
 
     def __init__(self, session: Session, level: Level = "student") -> None:
@@ -43,7 +44,9 @@ class StageTab(QWidget):
         self.panel.edited.connect(self._edited)
         self.panel.focused.connect(self.explained)
         self.panel.judged.connect(session.states_changed)
-        self.empty_state = EmptyState(self.symbol or self.stage, self.empty[0], self.empty[1], "Run")
+        self.empty_state = EmptyState(
+            self.symbol or self.stage, self.empty[0], self.empty[1], self.empty_action
+        )
         self.empty_state.acted.connect(self.run)
         self.views = QTabWidget()
         self.views.setDocumentMode(True)
@@ -58,7 +61,7 @@ class StageTab(QWidget):
         splitter.addWidget(self.stack)
         splitter.setStretchFactor(0, 0)
         splitter.setStretchFactor(1, 1)
-        splitter.setSizes([theme().px(330), 900])
+        splitter.setSizes([theme().px(350), 900])
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
@@ -124,6 +127,12 @@ class StageTab(QWidget):
         if self.session.recipe is not None:
             self.panel.show_recipe(self.session.recipe)
         if self.result is None and not self.keeps_views:
+            if self.session.loading:
+                self.empty_state.tell(
+                    "Reading the results …", "The last results of this step appear in a moment."
+                )
+            else:
+                self.empty_state.tell(*self.empty, self.empty_action)
             self.stack.setCurrentWidget(self.empty_state)
             return
         self.need_views()
