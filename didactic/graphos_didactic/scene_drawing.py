@@ -24,6 +24,7 @@ from graphos_didactic.scene import (
 )
 from graphos_didactic.scene_colours import PALETTES, Theme
 from graphos_didactic.scene_layout import Box, Frame, clipped, place, ticks
+from graphos_didactic.scene_text import draw_label, label_width
 
 Horizontal = Literal["left", "centre", "right"]
 Vertical = Literal["top", "middle", "baseline"]
@@ -136,6 +137,8 @@ def draw(scene: Scene, canvas: Canvas, width: float, height: float, look: Look) 
             continue
         if panel.kind == "plot":
             _draw_axes(frame, canvas, look)
+        else:
+            canvas.polygon(_corners(frame.plot), look.colours["surface"], 1.0, look.colours["border"], 1.0)
         canvas.clip(frame.plot)
         photo = any(isinstance(mark, Picture) for mark in mine)
         for mark in mine:
@@ -197,6 +200,8 @@ def _draw_mark(mark: Mark, frame: Frame, canvas: Canvas, look: Look) -> None:
             _draw_line(mark, frame, canvas, look, colour)
         case Bars():
             for low, high, value in zip(mark.edges[:-1], mark.edges[1:], mark.heights, strict=True):
+                if value == 0:
+                    continue
                 box = frame.to_canvas(np.array([[low, 0], [low, value], [high, value], [high, 0]]))
                 canvas.polygon(box, colour, mark.fill)
         case Points():
@@ -265,8 +270,9 @@ def draw_marker(canvas: Canvas, xy: Array, marker: Marker, radius: float, colour
         if marker == "plus":
             arms = np.array([[[-1.1, 0], [1.1, 0]], [[0, -1.1], [0, 1.1]]])
         for place_ in xy:
-            for arm in arms:
-                canvas.polyline(place_ + arm * radius, colour, 2.0 * look.unit, ())
+            for shade, width in ((halo, 4.6), (colour, 2.2)):
+                for arm in arms:
+                    canvas.polyline(place_ + arm * radius, shade, width * look.unit, ())
 
 
 def _draw_points(mark: Points, frame: Frame, canvas: Canvas, look: Look, colour: str) -> None:
@@ -315,7 +321,7 @@ def _draw_key(marks: Sequence[Mark], frame: Frame, canvas: Canvas, look: Look) -
     if corner == "above":
         _draw_key_above(rows, frame, canvas, look, size, step, sample)
         return
-    width = sample + 1.5 * look.font + max(canvas.text_width(m.label, size) for m in rows)
+    width = sample + 1.5 * look.font + max(label_width(canvas, m.label, size) for m in rows)
     height = step * len(rows) + 0.5 * look.font
     left, top, plot_width, plot_height = frame.plot
     edge = 0.4 * look.font
@@ -362,8 +368,8 @@ def _draw_sample(
     if not isinstance(mark, Bars):
         dash = tuple(look.unit * part for part in DASHES[mark.dash])
         canvas.polyline(ends, colour, mark.width * look.unit, dash)
-    at = (ends[1, 0] + 0.5 * look.font, middle)
-    canvas.text(at, mark.label, size, look.colours["text"], "left", "middle")
+    at = (ends[1, 0] + 0.5 * look.font, middle + 0.35 * size)
+    draw_label(canvas, at, mark.label, size, look.colours["text"])
 
 
 def for_print(look: Look) -> Look:

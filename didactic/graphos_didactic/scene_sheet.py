@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from graphos_didactic.formula_outline import SIZE, formula_outline
 from graphos_didactic.scene import Formula, Mark, Matrix, Number, Sentence
-from graphos_didactic.scene_layout import Frame
+from graphos_didactic.scene_layout import Box, Frame
+from graphos_didactic.scene_text import draw_label, label_width
 
 if TYPE_CHECKING:
     from graphos_didactic.scene_drawing import Canvas, Look
@@ -30,34 +32,69 @@ def number_text(mark: Number) -> str:
 
 
 def draw_sheet(marks: Sequence[Mark], frame: Frame, canvas: Canvas, look: Look) -> None:
-    """Draw the read-outs, formulas and sentences of a sheet from top to bottom."""
+    """Draw the read-outs, formulas and sentences of a sheet from top to bottom, as large as the panel allows."""
     left, top, width, height = frame.plot
+    needed = _draw_all(marks, (left, top, width, height), _Ruler(canvas), look)
+    font = look.font * min(max(height / max(needed, 1.0), SMALLEST), LARGEST)
+    for _ in range(2):  # larger letters wrap earlier: look again
+        needed = _draw_all(marks, (left, top, width, height), _Ruler(canvas), replace(look, font=font))
+        if needed > height:
+            font *= max(height / needed, 0.8)
     canvas.clip(frame.outer)
+    _draw_all(marks, (left, top, width, height), canvas, replace(look, font=font))
+    canvas.unclip()
+
+
+SMALLEST, LARGEST = 0.7, 1.25
+"""Limits of the size of a sheet's letters, relative to the body font."""
+
+
+def _draw_all(marks: Sequence[Mark], box: Box, canvas: Canvas, look: Look) -> float:
+    """Draw all marks and return the height they take, px."""
+    left, top, width, _ = box
     y = top + 0.2 * look.font
     for mark in marks:
         before = y
-        if isinstance(mark, Number):
-            y = _draw_number(mark, left, y, width, canvas, look)
-        elif isinstance(mark, Formula):
-            y = _draw_formula(mark, left, y, width, canvas, look)
-        elif isinstance(mark, Matrix):
-            y = _draw_matrix(mark, left, y, width, canvas, look)
-        elif isinstance(mark, Sentence):
-            y = _draw_sentence(mark, left, y, width, canvas, look)
+        match mark:
+            case Number():
+                y = _draw_number(mark, left, y, width, canvas, look)
+            case Formula():
+                y = _draw_formula(mark, left, y, width, canvas, look)
+            case Matrix():
+                y = _draw_matrix(mark, left, y, width, canvas, look)
+            case Sentence():
+                y = _draw_sentence(mark, left, y, width, canvas, look)
+            case _:
+                pass
         if mark.thing and mark.thing == look.chosen:
             bar = np.array([[left - 0.5 * look.font, before], [left - 0.5 * look.font, y - 2]])
             canvas.polyline(bar, look.colours["selected"], 4 * look.unit, ())
-        if y > top + height:
-            break
-    canvas.unclip()
+    return y - top
+
+
+class _Ruler:
+    """A canvas that draws nothing and only measures texts."""
+
+    def __init__(self, canvas: Canvas) -> None:
+        self.text_width = canvas.text_width
+
+    def __getattr__(self, name: str) -> Any:
+        return _nothing
+
+
+def _nothing(*_: object, **__: object) -> None:
+    return None
 
 
 def _draw_number(mark: Number, left: float, y: float, width: float, canvas: Canvas, look: Look) -> float:
     base = y + 1.15 * look.font
-    colour = look.colours[mark.role]
-    canvas.text((left, base), mark.label, 0.92 * look.font, look.colours["text"])
-    canvas.text((left + width, base), number_text(mark), look.font, colour, "right", bold=True)
-    return y + 1.65 * look.font
+    colour, size, text = look.colours[mark.role], 0.92 * look.font, number_text(mark)
+    draw_label(canvas, (left, base), mark.label, size, look.colours["text"])
+    taken = label_width(canvas, mark.label, size) + canvas.text_width(text, look.font, True)
+    if taken + look.font > width:  # no room beside the label
+        base += 1.3 * look.font
+    canvas.text((left + width, base), text, look.font, colour, "right", bold=True)
+    return base + 0.5 * look.font
 
 
 def _draw_formula(mark: Formula, left: float, y: float, width: float, canvas: Canvas, look: Look) -> float:

@@ -27,6 +27,7 @@ from graphos_core.params import Level, Params
 from graphos_didactic.formula_outline import formula_outline
 from graphos_didactic.scene import Handle
 from graphos_didactic.scene_svg import scene_svg
+from graphos_didactic.scene_text import html_text
 from graphos_didactic.simulator import History, Setting, Simulator, drag
 from graphos_didactic.simulator_files import State, data_csv, photo_fingerprint, read_state, state_text
 from graphos_py.icons import bind_icon
@@ -75,6 +76,7 @@ class SimulatorPage(QWidget):
         self.setting = Setting(photo, photo_name)
         self.history = History(simulator.params())
         self._moving: Params | None = None
+        self._free: tuple[str, ...] | None = None
         self.view = SceneView()
         self.pinned = SceneView()
         self.pinned.hide()
@@ -201,7 +203,6 @@ class SimulatorPage(QWidget):
         self._note = QLabel(tr(self.simulator.first))
         self._note.setWordWrap(True)
         self._truth = QToolButton()
-        self._truth.setText(tr("Truth"))
         self._truth.setCheckable(True)
         self._truth.setChecked(True)
         self._truth.setToolTip(tr("Show or hide what is really true, and the errors."))
@@ -318,8 +319,7 @@ class SimulatorPage(QWidget):
     # --------------------------------------------------------------------------------------------- reacting
 
     def _dragged(self, handle: Handle, x: float, y: float) -> None:
-        free = self.quiz.task.free if self.quiz.task is not None else None
-        if free is not None and not set(handle.parameters) <= set(free):
+        if self._free is not None and not set(handle.parameters) <= set(self._free):
             return
         self._changed(drag(self.params, handle, x, y))
 
@@ -338,21 +338,25 @@ class SimulatorPage(QWidget):
         self._redraw()
 
     def _begin(self, params: Params, free: tuple[str, ...] | None) -> None:
-        self.show_params(params)
+        self._free = free
         self.controls.set_free(free)
         self.view.set_look(replace(self.view.look, answers=False))
+        self.show_params(params)
 
     def _reveal(self, params: Params) -> None:
+        self._free = None
         self.view.set_look(replace(self.view.look, answers=True))
         self.controls.set_free(None)
         self.show_params(params)
 
     def _end(self) -> None:
+        self._free = None
         self.controls.set_free(None)
         self.view.set_look(replace(self.view.look, answers=True))
         self._redraw()
 
     def _dress(self) -> None:
+        self._truth.setText(tr("Truth shown") if self._truth.isChecked() else tr("Truth hidden"))
         look = theme()
         font = max(10.0, look.points() * self.logicalDpiY() / 72.0) if look.points() else 13.0
         for view in (self.view, self.pinned):
@@ -364,7 +368,7 @@ class SimulatorPage(QWidget):
         self.view.show_scene(scene)
         self.controls.show_params(params)
         self.quiz.follow(params, self.setting)
-        self._says.setText(tr(scene.says) if self.view.look.answers else "")
+        self._says.setText(html_text(tr(scene.says)) if self.view.look.answers else "")
         self._undo.defaultAction().setEnabled(self.history.can_undo)
         self._redo.defaultAction().setEnabled(self.history.can_redo)
 

@@ -17,6 +17,7 @@ from PySide6.QtWidgets import (
 )
 
 from graphos_core.params import Params
+from graphos_didactic.scene_text import html_text
 from graphos_didactic.simulator import Setting, Simulator, Task, Verdict
 from graphos_py.icons import bind_icon
 from graphos_py.theme import theme
@@ -174,12 +175,12 @@ class SimulatorQuiz(QFrame):
     def _judge(self, verdict: Verdict) -> None:
         mark = "✓" if verdict.right else "✗"
         name = f"<b>{tr(verdict.misconception)}.</b> " if verdict.misconception else ""
-        self._verdict.setText(f"<b>{mark}</b> {name}{tr(verdict.text)}")
+        self._verdict.setText(f"<b>{mark}</b> {name}{html_text(tr(verdict.text))}")
         self._verdict.show()
 
     def _show(self, text: str, *, act: str, choices: bool = False, number: bool = False) -> None:
         asked = bool(text)
-        self._text.setText(text)
+        self._text.setText(html_text(text))
         self._text.setVisible(asked)
         self._choices.setVisible(choices)
         self._choices.setEnabled(True)

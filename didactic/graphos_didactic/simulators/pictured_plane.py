@@ -92,7 +92,7 @@ def rgb(picture: Array) -> Array:
 def photo_or_simulated(setting: Setting) -> tuple[Array, str]:
     """Return the project's photo, made smaller for quick drawing, or one of the simulated block; and its name."""
     if setting.photo is None:
-        return simulated_photo(), "simulated façade"
+        return reduced(simulated_photo()), "simulated façade"
     return reduced(setting.photo), setting.photo_name or "photo of the project"
 
 

@@ -8,6 +8,7 @@ import pytest
 from graphos_core.geometry.intersection_precision import normal_case_sigma_z
 from graphos_didactic.scene import Line, Picture
 from graphos_didactic.scene_layout import clipped, place, ticks
+from graphos_didactic.scene_text import html_text
 from graphos_didactic.simulator import Setting, drag, find_simulator
 from graphos_didactic.simulators.adjustment.intersection_model import IntersectionParams, Pair, with_base
 from graphos_didactic.simulators.features.epipolar_model import EpipolarParams, TwoCameras
@@ -110,9 +111,7 @@ def test_wallis_takes_most_of_the_shadow_away() -> None:
 def test_wallis_line_of_the_window_is_the_result_at_its_centre() -> None:
     seen = Filtered(WallisSimulatorParams(x=30.0, y=30.0), Setting())
     row, column = seen.centre
-    assert seen.value(float(seen.grey[row, column])) == pytest.approx(
-        float(seen.after[row, column]), abs=0.51
-    )
+    assert seen.value(float(seen.row_grey[column])) == pytest.approx(float(seen.after[row, column]), abs=0.51)
 
 
 def test_wallis_blows_up_the_noise_of_a_surface_without_texture() -> None:
@@ -122,7 +121,7 @@ def test_wallis_blows_up_the_noise_of_a_surface_without_texture() -> None:
 
 
 def test_wallis_shows_a_large_photo_of_the_project_smaller() -> None:
-    photo = np.random.default_rng(0).integers(0, 255, (3000, 4000, 3)).astype(np.uint8)
+    photo = np.random.default_rng(0).integers(0, 255, (1200, 1600, 3)).astype(np.uint8)
     scene = find_simulator("preprocessing/wallis").scene(WallisSimulatorParams(), Setting(photo, "IMG_1.jpg"))
     shown = next(m for m in scene.marks if isinstance(m, Picture))
     assert max(shown.pixels.shape) <= 640
@@ -158,3 +157,8 @@ def test_long_lines_are_cut_to_the_box_and_stay_where_they_are() -> None:
     np.testing.assert_allclose(
         parts[np.isfinite(parts).all(axis=1)], [[10, 10], [100, 10], [100, 40], [10, 40]]
     )
+
+
+def test_indices_are_lowered_and_markup_is_escaped() -> None:
+    assert html_text("σ_Z < 3") == "σ<sub>Z</sub> &lt; 3"
+    assert html_text("file_name") == "file_name"

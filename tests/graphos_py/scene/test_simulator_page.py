@@ -73,7 +73,11 @@ def test_the_prediction_hides_the_answer_until_it_is_guessed(page: SimulatorPage
     page.quiz.ask_prediction()
     assert not page.view.look.answers
     assert not page.quiz._act.isEnabled()
+    assert page._says.text() == ""
     before = page.params
+    handle = next(h for h in page.view.scene.handles if h.name == "camera_b")  # type: ignore[union-attr]
+    page.view.dragged.emit(handle, 3.0, 5.0)  # nothing can be tried out before the guess
+    assert page.params == before
     page.quiz._group.button(1).setChecked(True)
     page.quiz._act.click()
     assert page.view.look.answers

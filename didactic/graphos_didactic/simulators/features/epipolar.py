@@ -179,7 +179,7 @@ def _images(both: TwoCameras) -> list[AnyMark]:
             Points(panel="photo_b", thing="point", role="truth", xy=both.pixels[1:], marker="ring", size=15,
                    label="P", truth=True, answer=True),
             Points(panel="photo_b", thing="measured", role="error", xy=both.measured[None], marker="cross",
-                   size=12, answer=True),
+                   size=14, label="measured", answer=True),
         ]  # fmt: skip
     return marks
 

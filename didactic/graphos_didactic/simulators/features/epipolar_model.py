@@ -203,13 +203,13 @@ class EpipolarParams(Params):
             symbol=r"\sigma",
             unit="px",
             low=0,
-            high=40,
+            high=100,
             step=1,
             group="Measurement",
             help="Standard deviation of the measured partner in photo B.",
             effect="Larger: the measured partner lies farther from the line.",
         ),
-    ] = 12.0
+    ] = 40.0
     seed: Annotated[
         int,
         About(

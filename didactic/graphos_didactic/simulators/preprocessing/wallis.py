@@ -23,7 +23,11 @@ from graphos_didactic.scene import (
 )
 from graphos_didactic.simulator import Preset, Setting, Step, simulator
 from graphos_didactic.simulators.pictured_plane import photo_or_simulated
-from graphos_didactic.simulators.preprocessing.wallis_model import Filtered, WallisSimulatorParams
+from graphos_didactic.simulators.preprocessing.wallis_model import (
+    Filtered,
+    WallisSimulatorParams,
+    grey_levels,
+)
 from graphos_didactic.simulators.preprocessing.wallis_tasks import PREDICTION, wallis_task
 
 THINGS = {
@@ -98,7 +102,7 @@ def _panels(seen: Filtered, last: int) -> tuple[Panel, ...]:
         f"Local standard deviation · black 0, white {largest:.0f} grey levels",
         "After",
     )[last]
-    top = max(_counts(seen.cut(seen.grey)).max(), _counts(seen.cut(seen.after)).max()) * 1.1
+    top = max(_counts(seen.window_grey).max(), _counts(seen.cut(seen.after)).max()) * 1.1
     return (
         Panel(name="before", title=f"Before · {name}", rect=(0.0, 0.0, 0.37, 0.48), kind="picture", x_range=across,
               y_range=down, equal=True, y_down=True),
@@ -151,7 +155,7 @@ def _profile(seen: Filtered, last: int) -> list[AnyMark]:
     marks: list[AnyMark] = [
         Polygon(panel="profile", thing="window", role="second", xy=band, fill=0.12, width=1.0),
         Line(panel="profile", thing="before", role="neutral", label="before", width=1.2, dash="dot",
-             xy=np.stack([columns, seen.grey[row, every]], axis=1)),
+             xy=np.stack([columns, seen.row_grey[every]], axis=1)),
         Line(panel="profile", thing="mean", role="second", label="local mean before", width=1.6, dash="dash",
              xy=np.stack([columns, seen.statistics[0][row, every]], axis=1)),
     ]  # fmt: skip
@@ -177,7 +181,7 @@ def _histograms(seen: Filtered, last: int) -> list[AnyMark]:
     p = seen.params
     marks: list[AnyMark] = [
         Bars(panel="histogram", thing="before", role="neutral", label="before", edges=EDGES,
-             heights=_counts(seen.cut(seen.grey)), fill=0.4),
+             heights=_counts(seen.window_grey), fill=0.4),
         Line(panel="histogram", thing="mean", role="second", label="mean m", dash="dash", width=1.8,
              xy=np.array([[seen.mean, 0.0], [seen.mean, top]])),
         Line(panel="histogram", thing="mean", role="third", label="target m_t", dash="dashdot", width=1.8,
@@ -190,8 +194,8 @@ def _histograms(seen: Filtered, last: int) -> list[AnyMark]:
 
 
 def _line(seen: Filtered) -> list[AnyMark]:
-    row, column = seen.centre
-    here = float(seen.grey[row, column])
+    column = seen.centre[1]
+    here = float(seen.row_grey[column])
     ends = np.array([[0.0, seen.value(0.0)], [255.0, seen.value(255.0)]])
     return [
         Line(panel="line", role="muted", width=1.0, dash="dot", xy=np.array([[0.0, 0.0], [255.0, 255.0]])),
@@ -229,7 +233,7 @@ def _handles(seen: Filtered) -> list[AnyMark]:
                             freedom="x", at=at, parameters=("shadow_x",), nudge=(0.01 * columns, 0.0),
                             move=lambda x, _: {"shadow_x": 100.0 * x / columns}))  # fmt: skip
     target = (seen.params.target_mean, 0.0)
-    top = max(_counts(seen.cut(seen.grey)).max(), _counts(seen.cut(seen.after)).max())
+    top = max(_counts(seen.window_grey).max(), _counts(seen.cut(seen.after)).max())
     marks.append(Handle(panel="histogram", name="target", thing="mean", label="Target mean", role="third", freedom="x",
                         at=(target[0], 0.62 * float(top)), parameters=("target_mean",), nudge=(1.0, 0.0),
                         move=lambda x, _: {"target_mean": x}))  # fmt: skip
@@ -261,7 +265,7 @@ def _sheet(seen: Filtered) -> list[AnyMark]:
         Number(label="Cut off at 0 or 255", value=seen.cut_off, unit="% of the picture", digits=1),
     ]  # fmt: skip
     if p.shadow > 0:
-        before = float(seen.cut(seen.grey).mean() - _grey(seen).mean())
+        before = float(seen.window_grey.mean() - grey_levels(seen.cut(seen.truth)).mean())
         after = float(seen.cut(seen.after).mean() - seen.cut(seen.ideal).mean())
         marks += [
             Sentence(text="Error by the shadow (with − without)", role="truth", truth=True),
@@ -270,10 +274,6 @@ def _sheet(seen: Filtered) -> list[AnyMark]:
                    answer=True),
         ]  # fmt: skip
     return marks
-
-
-def _grey(seen: Filtered) -> Array:
-    return seen.cut(local_statistics(seen.truth, 1)[0])
 
 
 def _says(seen: Filtered) -> str:

@@ -158,9 +158,15 @@ class Filtered:
         return local_statistics(self.before, self.params.window)
 
     @cached_property
-    def grey(self) -> Array:
-        """Grey levels before, float32 (h, w): the mean of a window of one pixel."""
-        return local_statistics(self.before, 1)[0]
+    def window_grey(self) -> Array:
+        """Grey levels before the filter in the window, float32."""
+        return grey_levels(self.cut(self.before))
+
+    @cached_property
+    def row_grey(self) -> Array:
+        """Grey levels before the filter along the row of the window's centre, float32 (w,)."""
+        row = self.centre[0]
+        return grey_levels(self.before[row : row + 1])[0]
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -209,6 +215,11 @@ class Filtered:
     def cut_off(self) -> float:
         """Part of the pixels of the whole result that are 0 or 255, %."""
         return 100.0 * float(np.mean((self.after == 0) | (self.after == 255)))
+
+
+def grey_levels(image: Array) -> Array:
+    """Return the grey levels on which the engine's filter works, float32 (h, w): means of windows of one pixel."""
+    return local_statistics(np.ascontiguousarray(image), 1)[0]
 
 
 def filtered_value(params: WallisSimulatorParams, grey: float, mean: float, std: float) -> float:
