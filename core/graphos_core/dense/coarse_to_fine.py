@@ -7,7 +7,7 @@ the surface found before, for each pixel its own (Rothermel et al. 2012 narrow t
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -21,6 +21,9 @@ from graphos_core.run import Run
 
 COARSEST_SIDE = 48
 """A picture is not halved further when its shorter side would get smaller than this, px."""
+
+FINE_STEP, FINE_DEPTHS = 0.4, 8
+"""The last pass on the finest level: its step relative to the others, and how many hypotheses."""
 
 
 @dataclass(frozen=True)
@@ -119,8 +122,9 @@ def estimate(
         found = match_once(view, neighbours, sweep, how, run)
     assert found is not None
     step = step_of_inverse_depth(views[0], others_by_level[0], near, far, how.step_px)
-    sweep = local_sweep(found.inverse_depth, views[0].grey.shape, 0.4 * step, 7)
-    return match_once(views[0], others_by_level[0], sweep, how, run)
+    sweep = local_sweep(found.inverse_depth, views[0].grey.shape, FINE_STEP * step, FINE_DEPTHS)
+    finest = match_once(views[0], others_by_level[0], sweep, how, run)
+    return replace(finest, edge=found.edge)  # the end of the last, tiny range does not mean much
 
 
 def _matched(view: View, levels: int) -> list[View]:

@@ -28,7 +28,7 @@ class MultiViewParams(Params):
         label="Picture size", symbol="s", unit="px", low=200, high=6000, step=100, level="novice", group="Size",
         help="Longer side of the pictures that are matched; larger photos are reduced to it.",
         effect="Higher: finer detail and more points, time and memory grow with its square. Lower: faster, smoother.",
-        learn="dense/multiview")] = 1600  # fmt: skip
+        learn="dense/multiview")] = 1200  # fmt: skip
     neighbours: Annotated[int, About(
         label="Neighbours", symbol="n", unit="photos", low=1, high=10, step=1, group="Size",
         help="Photos with which each photo is matched, chosen by common points, intersection angle and scale.",
@@ -86,12 +86,12 @@ class MultiViewParams(Params):
         label="Confirming photos", symbol="c", unit="photos", low=0, high=10, step=1, level="novice",
         group="Checking", help="In how many other depth maps a depth must be found again.",
         effect="Higher: fewer wrong points, more holes. Lower: more complete, more wrong points.",
-        learn="dense/consistency")] = 2  # fmt: skip
+        learn="dense/consistency")] = 1  # fmt: skip
     consistency_px: Annotated[float, About(
         label="Agreement", symbol="\\tau", unit="px", low=0.1, high=10, step=0.1, group="Checking",
         help="How much parallax two depths of the same point may differ.",
         effect="Higher: more complete, noisier. Lower: only well determined points stay.",
-        learn="dense/consistency")] = 1.0  # fmt: skip
+        learn="dense/consistency")] = 0.7  # fmt: skip
     least_score: Annotated[float, About(
         label="Least similarity", symbol="\\rho_0", unit="1", low=0, high=1, step=0.05, group="Checking",
         help="Depths whose windows are less alike than this are dropped.",

@@ -28,12 +28,12 @@ class FusionParams(Params):
         label="Least photos", symbol="v", unit="photos", low=1, high=20, step=1, level="novice", group="Fusion",
         help="In how many depth maps a point must be seen.",
         effect="Higher: cleaner cloud with more holes. Lower: more complete, more wrong points.",
-        learn="dense/fusion")] = 3  # fmt: skip
+        learn="dense/fusion")] = 2  # fmt: skip
     agreement_px: Annotated[float, About(
         label="Merging distance", symbol="\\tau", unit="px", low=0.1, high=10, step=0.1, group="Fusion",
         help="How much parallax two depths may differ and still be the same point.",
         effect="Higher: more is merged, fewer double points. Lower: surfaces close to each other stay apart.",
-        learn="dense/fusion")] = 1.0  # fmt: skip
+        learn="dense/fusion")] = 0.7  # fmt: skip
     every: Annotated[int, About(
         label="Thinning", symbol="t", unit="px", low=1, high=16, step=1, level="novice", group="Fusion",
         help="One point is made per square of this side in the depth map.",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import cv2
 import numpy as np
@@ -91,14 +92,19 @@ def texture(seed: int, size: int = 2048) -> Array:
     return np.clip(128.0 + 40.0 * total, 1, 254)
 
 
+@cache
+def ideal_rays(camera: Camera, dx: float, dy: float) -> Array:
+    """Rays through all pixels, moved by (dx, dy), in the camera frame; float64 (h·w, 3)."""
+    y, x = np.mgrid[0 : camera.height, 0 : camera.width]
+    return ray_from_pixel(camera, np.stack([x.ravel() + dx, y.ravel() + dy], axis=1))
+
+
 def photograph(camera: Camera, rotation: Array, centre: Array, pictures: list[Array]) -> tuple[Array, Array]:
     """Return the photo uint8 (h, w, 3), two by two supersampled, and the depth of each pixel float64 (h, w)."""
     h, w = camera.height, camera.width
     total = np.zeros((h * w, 3), np.float64)
-    y, x = np.mgrid[0:h, 0:w]
-    pixels = np.stack([x.ravel(), y.ravel()], axis=1).astype(np.float64)
     for dx, dy in ((0, 0), (-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)):
-        rays = ray_from_pixel(camera, pixels + np.array([dx, dy])) @ rotation
+        rays = ideal_rays(camera, dx, dy) @ rotation
         points, plate = hit(centre, rays)
         if dx == 0:
             depth = ((points - centre) @ rotation[2]).reshape(h, w)
