@@ -87,6 +87,9 @@ class ReducedSystem:
         self._pool: ThreadPoolExecutor | None = None
         u = problem.unknowns
         self._matrices = [np.empty((u, u)) for _ in problem.chunks]
+        layout = problem.layout
+        first = [int(layout.photo_column[layout.photo[layout.start[span[0]]]]) for span in problem.chunks]
+        self._first_rows = [0, *first[1:]]  # points are sorted by photo: a chunk leaves earlier rows alone
 
     @contextmanager
     def working(self) -> Iterator[ReducedSystem]:
@@ -113,7 +116,7 @@ class ReducedSystem:
 
         def one(chunk: int) -> tuple[Array, Array]:
             matrix = self._matrices[chunk]
-            matrix.fill(0.0)
+            matrix[self._first_rows[chunk] :] = 0.0
             vectors, totals = np.zeros((3, u)), np.zeros(7)
             span = self.problem.chunks[chunk]
             kernels.build(scene, layout, self.rules, damping, span, matrix, vectors, totals)
@@ -121,8 +124,8 @@ class ReducedSystem:
 
         parts = self.each_chunk(one)
         matrix = self._matrices[0]
-        for other in self._matrices[1:]:
-            matrix += other
+        for row, other in zip(self._first_rows[1:], self._matrices[1:], strict=True):
+            matrix[row:] += other[row:]
         vectors = sum(part[0] for part in parts)
         totals = [part[1] for part in parts]
         gradient = vectors[0]
