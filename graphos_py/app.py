@@ -20,8 +20,8 @@ from graphos_core.errors import UserError
 from graphos_core.run import Run
 from graphos_py.icons import icon
 from graphos_py.jobs import Job
+from graphos_py.loading import load_engine
 from graphos_py.main_window import MainWindow
-from graphos_py.session import load_engine
 from graphos_py.settings import Settings
 from graphos_py.theme import theme
 from graphos_py.translation import CatalogueTranslator, use_language
@@ -77,7 +77,11 @@ class Application(QObject):
         self._warming = QProcess(self.window)
         self._warming.setStandardOutputFile(QProcess.nullDevice())
         self._warming.setStandardErrorFile(QProcess.nullDevice())
-        self.window.closed.connect(self._warming.kill)
+        self.window.closed.connect(self._stop_warming)
+
+    def _stop_warming(self) -> None:
+        self._warming.kill()
+        self._warming.waitForFinished(2000)
 
     def show(self, project: Path | None = None) -> None:
         """Show the window; afterwards load the engine and open the project."""

@@ -40,6 +40,7 @@ from graphos_py.tabs.quality import QualityTab
 from graphos_py.tabs.stage_tab import StageTab
 from graphos_py.theme import theme
 from graphos_py.translation import tr
+from graphos_py.workflow import images_state, stage_state, why_not_all
 
 STEPS = [("images", "Images"), *STAGE_LABELS.items(), ("learn", "Learn")]
 STAGE_TABS: tuple[type[StageTab], ...] = (
@@ -248,44 +249,18 @@ class MainWindow(QMainWindow):
         for stage in STAGES:
             for problem in self.stage_tab(stage).panel.problems().values():
                 return problem
-        if self.session.pipeline is None:
-            return "Open or make a project first."
-        if self.session.running is not None:
-            return "A step is running."
-        done = all(self.session.pipeline.state(stage).status == "done" for stage in STAGES)
-        return "Everything is done with these parameters." if done else ""
+        return why_not_all(self.session)
 
     def _update_states(self) -> None:
         session = self.session
-        photos = session.project.photo_set if session.project is not None else None
-        if photos is None:
-            self.ribbon.step("images").show_state(StepState("next", "add photos"))
-        else:
-            line = tr("{n} photos · {c} cameras", n=len(photos.photos), c=len(photos.cameras))
-            if len(photos.cameras) == 1:
-                line = tr("{n} photos · 1 camera", n=len(photos.photos))
-            self.ribbon.step("images").show_state(StepState("done", line))
+        self.ribbon.step("images").show_state(images_state(session))
         for stage in STAGES:
-            self.ribbon.step(stage).show_state(self._state(stage))
+            self.ribbon.step(stage).show_state(stage_state(session, stage))
         self.ribbon.step("learn").show_state(StepState("plain", "simulators · labs"))
         reason = self._why_not_all()
         self.run_all.setEnabled(not reason)
         self.run_all.setToolTip(tr(reason) if reason else tr("Run every step that is not done yet (Ctrl+F5)"))
         self.menus.update_running(session.running is not None, reason)
-
-    def _state(self, stage: Stage) -> StepState:
-        session = self.session
-        if session.pipeline is None:
-            return StepState("not yet", "needs photos", "Open or make a project first.")
-        if session.running == stage:
-            return StepState("running", "stopping …" if session.stopping else "running")
-        if stage in session.failed:
-            problem = session.failed[stage]
-            return StepState(
-                "failed", problem.what, " ".join(tr(p) for p in (problem.why, problem.todo) if p)
-            )
-        state = session.pipeline.state(stage)
-        return StepState(state.status, state.line, state.reason)
 
     def _progressed(self, progress: Progress) -> None:
         if self.session.running == progress.stage and not self.session.stopping:
@@ -304,6 +279,7 @@ class MainWindow(QMainWindow):
         self._update_states()
         if self._current == "start":
             self.show_tab("images")
+        self._explain_stage(self._current)
 
     def _message(self, kind: str, what: object) -> None:
         self.messages.add(kind, what)
@@ -343,6 +319,7 @@ class MainWindow(QMainWindow):
         for problem in problems:
             self.messages.add("warning", problem)
         self.session.engine_ready()
+        self._explain_stage(self._current)
 
     def _restore(self) -> None:
         geometry, state = self.settings.layout("geometry"), self.settings.layout("docks")

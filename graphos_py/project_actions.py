@@ -15,7 +15,8 @@ from graphos_core.run import Run
 from graphos_core.text import Text
 from graphos_py.dialogs import KnownDistanceDialog, NewProject, ask, documents
 from graphos_py.jobs import Job
-from graphos_py.session import Session, load_engine
+from graphos_py.loading import load_engine
+from graphos_py.session import Session
 from graphos_py.settings import Settings
 from graphos_py.translation import tr
 

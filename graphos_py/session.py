@@ -15,14 +15,12 @@ from graphos_core.registry import STAGES, Stage, candidate_stage
 from graphos_core.run import Run
 from graphos_core.text import Text
 from graphos_py.jobs import Job, Jobs, TimeLeft
+from graphos_py.loading import DRAFT, create_project, open_project, read_latest
 
 if TYPE_CHECKING:
     from graphos_core.pipeline import Pipeline
     from graphos_core.project import Project
     from graphos_core.recipe import Recipe
-
-DRAFT = "recipe_in_work.toml"
-"""The recipe as it stands in the window; ``recipe.toml`` beside it belongs to the last report."""
 
 STAGE_LABELS: dict[Stage, str] = {
     "preprocessing": "Preprocessing",
@@ -51,25 +49,6 @@ class Progress:
     total: float
     what: str
     seconds_left: float | None
-
-
-def load_engine() -> None:
-    """Import the engine with all its algorithms; slow the first time, so never called in the window's thread."""
-    import graphos_core.pipeline
-    import graphos_core.results  # noqa: F401  the store finds record classes by name
-    from graphos_core import registry
-
-    registry.algorithms()
-
-
-def _read_latest(pipeline: Pipeline, stages: Sequence[Stage], run: Run) -> None:
-    """Show the last complete result of each stage; one that cannot be read counts as none."""
-    for stage in stages:
-        run.check()
-        try:
-            run.show(stage, (pipeline, pipeline.latest(stage)))
-        except GraphosError:  # the stage's state says why
-            run.show(stage, (pipeline, None))
 
 
 class Session(QObject):
@@ -120,31 +99,11 @@ class Session(QObject):
 
     def open(self, folder: Path, photos: Path | None = None) -> None:
         """Open a project in the background; `photos_moved` or `message` when that fails."""
-
-        def work(run: Run) -> tuple[Any, Any]:
-            load_engine()
-            from graphos_core.project import Project
-            from graphos_core.recipe import Recipe
-
-            project = Project.open(folder, photos=photos, run=run)
-            files = (project.folder / name for name in (DRAFT, "recipe.toml"))
-            file = next((file for file in files if file.is_file()), None)
-            return project, Recipe.load(file) if file is not None else Recipe.default(project.seed)
-
-        self._read(work, self._opened)
+        self._read(lambda run: open_project(folder, photos, run), self._opened)
 
     def create(self, folder: Path, photos: Path, **settings: Any) -> None:
         """Make a project in the background and open it."""
-
-        def work(run: Run) -> tuple[Any, Any]:
-            load_engine()
-            from graphos_core.project import Project
-            from graphos_core.recipe import Recipe
-
-            project = Project.create(folder, photos, run=run, **settings)
-            return project, Recipe.default(project.seed)
-
-        self._read(work, self._opened)
+        self._read(lambda run: create_project(folder, photos, run, **settings), self._opened)
 
     def change_project(self, **settings: Any) -> None:
         """Change settings of the project (excluded photos, control, reference …) in the background."""
@@ -221,7 +180,7 @@ class Session(QObject):
         if pipeline is None:
             return
         wanted = tuple(stages)
-        job = Job(lambda run: _read_latest(pipeline, wanted, run), name="results", engine=False)
+        job = Job(lambda run: read_latest(pipeline, wanted, run), name="results", engine=False)
         job.shown.connect(self._result_read)
         job.failed.connect(self.tell)
         job.finished.connect(self._results_read)
@@ -365,6 +324,7 @@ class Session(QObject):
 
     def _read(self, work: Callable[[Run], Any], then: Callable[[Any], None]) -> None:
         job = Job(work, name="reading", engine=False)
+        job.warned.connect(self._on_warned)
         job.succeeded.connect(then)
         job.failed.connect(self.tell)
         self.jobs.start(job)

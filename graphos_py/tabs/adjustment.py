@@ -18,6 +18,9 @@ from graphos_py.translation import tr
 if TYPE_CHECKING:
     from graphos_py.views.cloud_view import CloudView
 
+ARROWS = 900
+"""Residual vectors drawn at most, chosen evenly."""
+
 
 class AdjustmentTab(StageTab):
     """What the orientation found and how well it is determined."""
@@ -55,7 +58,7 @@ class AdjustmentTab(StageTab):
         residuals = QSplitter(Qt.Orientation.Horizontal)
         residuals.addWidget(self.residual_image)
         residuals.addWidget(self.histogram)
-        residuals.setSizes([600, 400])
+        residuals.setSizes([500, 500])
         self.add_view(residuals, "Residuals")
         self.add_view(self.iterations, "Iterations")
         self.add_view(self.control, "Control")
@@ -129,8 +132,8 @@ class AdjustmentTab(StageTab):
         if mine.any():
             points = np.asarray(adjustment.block.obs_xy)[mine]
             vectors = np.asarray(adjustment.residuals)[mine]
-            if len(points) > 4000:  # more arrows than that hide each other
-                chosen = np.linspace(0, len(points) - 1, 4000).astype(int)
+            if len(points) > ARROWS:  # more than that hide each other
+                chosen = np.linspace(0, len(points) - 1, ARROWS).astype(int)
                 points, vectors = points[chosen], vectors[chosen]
             self.residual_image.set_overlay(points, vectors, None, tr("residual"))
 

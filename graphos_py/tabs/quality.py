@@ -44,7 +44,7 @@ class QualityTab(StageTab):
         column = QVBoxLayout(page)
         column.setContentsMargins(0, 0, 0, 0)
         column.addWidget(scroll, 1)
-        column.addWidget(self.figures, 2)
+        column.addWidget(self.figures, 3)
         self.histogram = PlotView()
         self.cloud = CloudView()
         self.add_view(page, "Figures and advice")

@@ -12,8 +12,9 @@ from PySide6.QtWidgets import QApplication
 from graphos_core.project import Project
 from graphos_py.app import make_application
 from graphos_py.jobs import Jobs
+from graphos_py.loading import load_engine
 from graphos_py.main_window import MainWindow
-from graphos_py.session import Session, load_engine
+from graphos_py.session import Session
 from graphos_py.settings import Settings
 from graphos_py.theme import theme
 

@@ -201,6 +201,15 @@ def test_parameters_survive_closing_and_opening(qtbot, window, project_folder):
     assert window.session.recipe.params("features", "sift").contrast == 0.031
 
 
+def test_a_recipe_of_another_version_does_not_keep_the_project_shut(qtbot, window, project_folder):
+    (project_folder / "recipe_in_work.toml").write_text(
+        "schema = 1\n[features.sift]\nno_such_thing = 1\n", "utf-8"
+    )
+    open_project(qtbot, window, project_folder)
+    assert "no_such_thing" in window.messages.texts("warning")[0]
+    assert window.session.recipe.params("features", "sift").to_dict()
+
+
 def test_an_old_run_gives_its_parameters_back(qtbot, window, project_folder):
     open_project(qtbot, window, project_folder)
     window.session.choose("preprocessing", "filter", ("grey",))
