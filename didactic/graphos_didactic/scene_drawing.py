@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal, Protocol
 
@@ -23,8 +23,7 @@ from graphos_didactic.scene import (
     Words,
 )
 from graphos_didactic.scene_colours import PALETTES, Theme
-from graphos_didactic.scene_layout import Box, Frame, clipped, place, ticks
-from graphos_didactic.scene_text import draw_label, label_width
+from graphos_didactic.scene_layout import Box, Frame, clipped, corners, place, ticks
 
 Horizontal = Literal["left", "centre", "right"]
 Vertical = Literal["top", "middle", "baseline"]
@@ -111,6 +110,10 @@ class Look:
         """Px for a length of 1 px at 100 % font scale."""
         return self.font / 13.0
 
+    def dashes(self, dash: Dash) -> tuple[float, ...]:
+        """Lengths of the dashes and gaps of a kind of line, px."""
+        return tuple(self.unit * part for part in DASHES[dash])
+
 
 def frames(scene: Scene, width: float, height: float, font: float) -> dict[str, Frame]:
     """Return where each panel lies on a canvas of `width` × `height` px."""
@@ -120,25 +123,27 @@ def frames(scene: Scene, width: float, height: float, font: float) -> dict[str, 
 def draw(scene: Scene, canvas: Canvas, width: float, height: float, look: Look) -> None:
     """Draw `scene` on `canvas` of `width` × `height` px."""
     from graphos_didactic.scene_handles import draw_handles
+    from graphos_didactic.scene_key import draw_key
     from graphos_didactic.scene_sheet import draw_sheet
 
-    canvas.polygon(_corners((0, 0, width, height)), look.colours["background"], 1.0)
+    canvas.polygon(corners((0, 0, width, height)), look.colours["background"], 1.0)
     where = frames(scene, width, height, look.font)
     marks = scene.visible(truth=look.truth, answers=look.answers)
     for panel in scene.panels:
         frame = where[panel.name]
         mine = [mark for mark in marks if mark.panel == panel.name]
-        canvas.polygon(_corners(frame.outer), look.colours["surface"], 1.0, look.colours["border"], 1.0)
+        canvas.polygon(corners(frame.outer), look.colours["surface"], 1.0, look.colours["border"], 1.0)
         if panel.title:
             at = (frame.outer[0] + 0.9 * look.font, frame.outer[1] + 1.45 * look.font)
-            canvas.text(at, panel.title, look.font, look.colours["text"], bold=True)
+            title = _shortened(panel.title, frame.outer[2] - 1.8 * look.font, canvas, look)
+            canvas.text(at, title, look.font, look.colours["text"], bold=True)
         if panel.kind == "sheet":
             draw_sheet(mine, frame, canvas, look)
             continue
         if panel.kind == "plot":
             _draw_axes(frame, canvas, look)
         else:
-            canvas.polygon(_corners(frame.plot), look.colours["surface"], 1.0, look.colours["border"], 1.0)
+            canvas.polygon(corners(frame.plot), look.colours["surface"], 1.0, look.colours["border"], 1.0)
         canvas.clip(frame.plot)
         photo = any(isinstance(mark, Picture) for mark in mine)
         for mark in mine:
@@ -146,14 +151,17 @@ def draw(scene: Scene, canvas: Canvas, width: float, height: float, look: Look) 
                 _draw_halo(mark, frame, canvas, look)
             _draw_mark(mark, frame, canvas, look)
         canvas.unclip()
-        _draw_key(mine, frame, canvas, look)
+        draw_key(mine, frame, canvas, look)
     if look.handles:
         draw_handles(scene, where, canvas, look)
 
 
-def _corners(box: Box) -> Array:
-    left, top, width, height = box
-    return np.array([[left, top], [left + width, top], [left + width, top + height], [left, top + height]])
+def _shortened(text: str, width: float, canvas: Canvas, look: Look) -> str:
+    if canvas.text_width(text, look.font, True) <= width:
+        return text
+    while text and canvas.text_width(text + "…", look.font, True) > width:
+        text = text[:-1]
+    return text.rstrip() + "…"
 
 
 def _draw_axes(frame: Frame, canvas: Canvas, look: Look) -> None:
@@ -171,7 +179,7 @@ def _draw_axes(frame: Frame, canvas: Canvas, look: Look) -> None:
         y = float(frame.to_canvas(np.array([[0.0, value]]))[0, 1])
         canvas.polyline(np.array([[left, y], [left + width, y]]), grid, 1.0, ())
         canvas.text((left - 0.4 * look.font, y), _tick_text(value), small, muted, "right", "middle")
-    canvas.polyline(_corners(frame.plot)[[0, 3, 2]], look.colours["border"], 1.0, ())
+    canvas.polyline(corners(frame.plot)[[0, 3, 2]], look.colours["border"], 1.0, ())
     at = (left + width / 2, top + height + 2.45 * look.font)
     canvas.text(at, frame.panel.x_label, small, muted, "centre")
     if frame.panel.y_label:
@@ -193,7 +201,7 @@ def _draw_mark(mark: Mark, frame: Frame, canvas: Canvas, look: Look) -> None:
             (left, top), (right, bottom) = corners.min(axis=0), corners.max(axis=0)
             canvas.picture(mark.pixels, (left, top, right - left, bottom - top))
         case Polygon():
-            dash = tuple(look.unit * part for part in DASHES[mark.dash])
+            dash = look.dashes(mark.dash)
             outline = frame.to_canvas(mark.xy)
             canvas.polygon(outline, colour, mark.fill, colour, mark.width * look.unit, dash)
         case Line():
@@ -237,7 +245,7 @@ def _draw_glow(mark: Mark, frame: Frame, canvas: Canvas, look: Look) -> None:
 
 def _draw_line(mark: Line, frame: Frame, canvas: Canvas, look: Look, colour: str) -> None:
     xy = frame.to_canvas(mark.xy)
-    dash = tuple(look.unit * part for part in DASHES[mark.dash])
+    dash = look.dashes(mark.dash)
     canvas.polyline(clipped(xy, frame.plot), colour, mark.width * look.unit, dash)
     if mark.arrow and len(xy) > 1:
         ahead = xy[-1] - xy[-2]
@@ -307,69 +315,8 @@ def _draw_plate(
     x = min(max(at[0] + shift, left + pad), left + plot_width - width - pad)
     y = min(max(at[1], top + size), top + plot_height - size)
     plate = (x - pad, y - 0.72 * size, width + 2 * pad, 1.44 * size)
-    canvas.polygon(_corners(plate), look.colours["surface"], 0.82)
+    canvas.polygon(corners(plate), look.colours["surface"], 0.82)
     canvas.text((x, y), mark.text, size, colour, "left", "middle")
-
-
-def _draw_key(marks: Sequence[Mark], frame: Frame, canvas: Canvas, look: Look) -> None:
-    """Draw the key of labelled lines, polygons and bars, with the dash of each: not by colour alone."""
-    corner = frame.panel.legend
-    rows = [m for m in marks if m.label and isinstance(m, (Line, Polygon, Bars))]
-    if not corner or not rows:
-        return
-    size, step, sample = 0.85 * look.font, 1.45 * look.font, 2.2 * look.font
-    if corner == "above":
-        _draw_key_above(rows, frame, canvas, look, size, step, sample)
-        return
-    width = sample + 1.5 * look.font + max(label_width(canvas, m.label, size) for m in rows)
-    height = step * len(rows) + 0.5 * look.font
-    left, top, plot_width, plot_height = frame.plot
-    edge = 0.4 * look.font
-    x = left + plot_width - width - edge if corner.endswith("right") else left + edge
-    y = top + edge if corner.startswith("top") else top + plot_height - height - edge
-    canvas.polygon(
-        _corners((x, y, width, height)), look.colours["surface"], 0.88, look.colours["border"], 1.0
-    )
-    for i, mark in enumerate(rows):
-        middle = y + 0.25 * look.font + step * (i + 0.5)
-        _draw_sample(mark, (x + 0.5 * look.font, middle), canvas, look, size, sample)
-
-
-def _draw_key_above(
-    rows: Sequence[Line | Polygon | Bars],
-    frame: Frame,
-    canvas: Canvas,
-    look: Look,
-    size: float,
-    step: float,
-    sample: float,
-) -> None:
-    """Draw the key in two columns between the title and the plot."""
-    left, top, width, _ = frame.plot
-    for i, mark in enumerate(rows):
-        at = (left + (i % 2) * width / 2, top - step * (2 - i // 2 - 0.4))
-        _draw_sample(mark, at, canvas, look, size, sample)
-
-
-def _draw_sample(
-    mark: Line | Polygon | Bars,
-    at: tuple[float, float],
-    canvas: Canvas,
-    look: Look,
-    size: float,
-    sample: float,
-) -> None:
-    middle = at[1]
-    ends = np.array([[at[0], middle], [at[0] + sample, middle]])
-    colour = look.colours[mark.role]
-    if isinstance(mark, Bars) or (isinstance(mark, Polygon) and mark.fill >= 0.3):
-        half = 0.4 * look.font
-        canvas.polygon(_corners((ends[0, 0], middle - half, sample, 2 * half)), colour, mark.fill)
-    if not isinstance(mark, Bars):
-        dash = tuple(look.unit * part for part in DASHES[mark.dash])
-        canvas.polyline(ends, colour, mark.width * look.unit, dash)
-    at = (ends[1, 0] + 0.5 * look.font, middle + 0.35 * size)
-    draw_label(canvas, at, mark.label, size, look.colours["text"])
 
 
 def for_print(look: Look) -> Look:

@@ -117,3 +117,9 @@ def clipped(xy: Array, box: Box) -> Array:
         else:
             pieces += [np.full(2, np.nan), p + u * d, p + v * d]
     return np.array(pieces[1:]) if pieces else np.empty((0, 2))
+
+
+def corners(box: Box) -> Array:
+    """Return the corners (4, 2) of a box, clockwise from the top left."""
+    left, top, width, height = box
+    return np.array([[left, top], [left + width, top], [left + width, top + height], [left, top + height]])

@@ -9,11 +9,8 @@ from pathlib import Path
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import (
-    QFileDialog,
     QHBoxLayout,
     QLabel,
-    QMenu,
-    QMessageBox,
     QPushButton,
     QScrollArea,
     QToolButton,
@@ -32,6 +29,7 @@ from graphos_didactic.simulator import History, Setting, Simulator, drag
 from graphos_didactic.simulator_files import State, data_csv, photo_fingerprint, read_state, state_text
 from graphos_py.icons import bind_icon
 from graphos_py.tabs.simulator_controls import SimulatorControls
+from graphos_py.tabs.simulator_home import TakeHome
 from graphos_py.tabs.simulator_quiz import SimulatorQuiz
 from graphos_py.tabs.simulator_steps import SimulatorSteps
 from graphos_py.theme import theme
@@ -172,6 +170,7 @@ class SimulatorPage(QWidget):
         """Keep a copy of the picture beside the living one, to compare two sets of parameters."""
         if on and self.view.scene is not None:
             self.pinned.show_scene(self.view.scene)
+            self.pinned.set_look(replace(self.view.look, handles=False, active=""))
         self.pinned.setVisible(on)
 
     # --------------------------------------------------------------------------------------------- building
@@ -185,7 +184,7 @@ class SimulatorPage(QWidget):
         body.setSpacing(10)
         play = QVBoxLayout()
         play.setSpacing(6)
-        pictures = QHBoxLayout()
+        pictures = QVBoxLayout()
         pictures.setSpacing(6)
         pictures.addWidget(self.pinned, 1)
         pictures.addWidget(self.view, 1)
@@ -222,7 +221,7 @@ class SimulatorPage(QWidget):
         line.addWidget(title)
         line.addSpacing(12)
         line.addWidget(self._note, 1)
-        for widget in (self._undo, self._redo, self._truth, self._pin, self._full, self._take_home()):
+        for widget in (self._undo, self._redo, self._truth, self._pin, self._full, TakeHome(self)):
             line.addWidget(widget)
         return line
 
@@ -241,25 +240,6 @@ class SimulatorPage(QWidget):
         button.setAccessibleName(tip)
         if icon:
             bind_icon(action, icon)
-        return button
-
-    def _take_home(self) -> QToolButton:
-        button = QToolButton()
-        button.setText(tr("Take home"))
-        bind_icon(button, "save")
-        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-        button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        menu = QMenu(button)
-        for text, ending in (
-            (tr("Picture (PNG)…"), "png"),
-            (tr("Picture (SVG)…"), "svg"),
-            (tr("Data (CSV)…"), "csv"),
-            (tr("State (TOML)…"), "toml"),
-        ):
-            menu.addAction(text).triggered.connect(lambda _=False, e=ending: self._ask_and_save(e))
-        menu.addSeparator()
-        menu.addAction(tr("Open a state…")).triggered.connect(self._ask_and_open)
-        button.setMenu(menu)
         return button
 
     def _side(self) -> QWidget:
@@ -340,19 +320,23 @@ class SimulatorPage(QWidget):
     def _begin(self, params: Params, free: tuple[str, ...] | None) -> None:
         self._free = free
         self.controls.set_free(free)
-        self.view.set_look(replace(self.view.look, answers=False))
+        self._show_answers(False)
         self.show_params(params)
 
     def _reveal(self, params: Params) -> None:
         self._free = None
-        self.view.set_look(replace(self.view.look, answers=True))
+        self._show_answers(True)
         self.controls.set_free(None)
         self.show_params(params)
+
+    def _show_answers(self, shown: bool) -> None:
+        for view in (self.view, self.pinned):
+            view.set_look(replace(view.look, answers=shown))
 
     def _end(self) -> None:
         self._free = None
         self.controls.set_free(None)
-        self.view.set_look(replace(self.view.look, answers=True))
+        self._show_answers(True)
         self._redraw()
 
     def _dress(self) -> None:
@@ -410,21 +394,6 @@ class SimulatorPage(QWidget):
             )
             return
         self.restore(state)
-
-    def _ask_and_save(self, ending: str) -> None:
-        start = str(Path.home() / f"{self.simulator.name}.{ending}")
-        name, _ = QFileDialog.getSaveFileName(self, tr("Take home"), start, f"{ending.upper()} (*.{ending})")
-        if not name:
-            return
-        try:
-            self.save(Path(name).with_suffix(f".{ending}"))
-        except OSError as problem:
-            QMessageBox.warning(self, tr("Take home"), tr("Nothing was written: {why}", why=problem))
-
-    def _ask_and_open(self) -> None:
-        name, _ = QFileDialog.getOpenFileName(self, tr("Open a state"), str(Path.home()), "TOML (*.toml)")
-        if name:
-            self.open_state(Path(name))
 
     def sizeHint(self) -> QSize:
         """Prefer much room."""

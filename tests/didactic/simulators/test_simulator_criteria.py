@@ -6,6 +6,7 @@ import csv
 import dataclasses
 import importlib
 import io
+import pkgutil
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 
@@ -222,12 +223,13 @@ def test_8_undo_and_redo_restore_the_parameters(simulator: Simulator) -> None:
 
 @EVERY
 def test_9_the_functions_are_the_engines_own(simulator: Simulator) -> None:
-    module = importlib.import_module(simulator.function.__module__)
-    family = [module] + [
-        importlib.import_module(value.__module__)
-        for value in vars(module).values()
-        if getattr(value, "__module__", "").startswith("graphos_didactic.simulators.")
-    ]
+    stem = simulator.function.__module__
+    package = importlib.import_module(stem.rpartition(".")[0])
+    family = [
+        importlib.import_module(found.name)
+        for found in pkgutil.iter_modules(package.__path__, package.__name__ + ".")
+        if found.name.startswith(stem)
+    ] + [importlib.import_module("graphos_didactic.simulators.pictured_plane")]
     assert len(simulator.engine) >= 3
     for function in simulator.engine:
         where = function.__module__

@@ -117,7 +117,7 @@ def test_wallis_line_of_the_window_is_the_result_at_its_centre() -> None:
 def test_wallis_blows_up_the_noise_of_a_surface_without_texture() -> None:
     simulator = find_simulator("preprocessing/wallis")
     numbers = simulator.scene(simulator.preset("flat")).numbers()
-    assert numbers["Deviation after"].value > 20 * numbers["Standard deviation s"].value
+    assert numbers["Deviation after"].value > 20 * numbers["Deviation s"].value
 
 
 def test_wallis_shows_a_large_photo_of_the_project_smaller() -> None:

@@ -240,7 +240,9 @@ class Pair:
 
     @cached_property
     def estimates(self) -> Array:
-        """Points intersected from noisy measurements, float64 (n, 3), m; only those that could be found."""
+        """Points intersected from noisy measurements, float64 (n, 3), m; none where the depth is not determined."""
+        if not self.precision.determined:
+            return np.empty((0, 3))
         noise = np.random.default_rng(self.params.seed).normal(size=(DRAWS, 2, 2)) * self.params.sigma_px
         rays = ray_from_pixel(self.camera, (self.pixels + noise).reshape(-1, 2))[:, :2]
         found = triangulate(

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from graphos_core.cameras import pixel_from_ray, ray_from_pixel
@@ -19,7 +17,6 @@ from graphos_core.geometry.rotation import look_at
 from graphos_didactic.scene import (
     AnyMark,
     Formula,
-    Handle,
     Line,
     Matrix,
     Number,
@@ -33,8 +30,11 @@ from graphos_didactic.scene import (
     Words,
 )
 from graphos_didactic.simulator import Preset, Setting, Step, simulator
+from graphos_didactic.simulators.features.epipolar_handles import handle_marks
 from graphos_didactic.simulators.features.epipolar_model import (
+    FAR,
     HEIGHT,
+    NEAR,
     WALL_Y,
     WIDTH,
     EpipolarParams,
@@ -46,8 +46,6 @@ from graphos_didactic.simulators.features.epipolar_tasks import PREDICTION, epip
 from graphos_didactic.simulators.pictured_plane import Plane, photo_or_simulated, photograph
 
 WALL_WIDTH = 10.0
-NEAR, FAR = 0.5, 60.0
-"""Depths of the ray that are drawn, m."""
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 ROLES: tuple[Role, Role] = ("first", "second")
 THINGS = {
@@ -113,7 +111,7 @@ def epipolar(params: EpipolarParams, setting: Setting) -> Scene:
         marks += _plane(both)
     if last >= 1:
         marks += [*_line(both), *_depths(both)]
-    marks += [*_handles(both), *_sheet(both)]
+    marks += [*handle_marks(both), *_sheet(both)]
     return Scene(panels=_panels(both), marks=tuple(marks), things=THINGS, says=_says(both))
 
 
@@ -251,69 +249,6 @@ def _pencil(both: TwoCameras) -> list[AnyMark]:
             marks.append(Points(panel=f"photo_{name}", thing="epipole", role=ROLES[1 - i], xy=epipole[None],
                                 marker="square", size=12, label=f"epipole {name.upper()}", answer=i == 1))  # fmt: skip
     return marks
-
-
-def _handles(both: TwoCameras) -> list[AnyMark]:
-    p = both.params
-    marks: list[AnyMark] = []
-    for i, name in enumerate("ab"):
-        x, y = (float(c) for c in both.centres[i, :2])
-        turn = np.radians(p.a_turn if i == 0 else p.b_turn)
-        marks += [
-            Handle(panel="plan", name=f"camera_{name}", thing=f"camera_{name}", label=f"Camera {name.upper()}",
-                   role=ROLES[i], at=(x, y), parameters=(f"{name}_x", f"{name}_y"), nudge=(0.1, 0.1),
-                   move=lambda u, v, n=name: {f"{n}_x": u, f"{n}_y": v}),  # type: ignore[misc]
-            Handle(panel="plan", name=f"turn_{name}", thing=f"camera_{name}", role=ROLES[i], freedom="turn",
-                   label=f"Direction of camera {name.upper()}", parameters=(f"{name}_turn",), nudge=(0.1, 0.1),
-                   at=(x + 2.6 * float(np.sin(turn)), y + 2.6 * float(np.cos(turn))),
-                   move=lambda u, v, n=name, x=x, y=y: {  # type: ignore[misc]
-                       f"{n}_turn": float(np.degrees(np.arctan2(u - x, v - y)))}),
-        ]  # fmt: skip
-    marks.append(
-        Handle(panel="plan", name="point", thing="point", label="Point P", role="truth", nudge=(0.1, 0.1),
-               at=(p.p_x, p.p_y), parameters=("p_x", "p_y"), move=lambda u, v: {"p_x": u, "p_y": v})
-    )  # fmt: skip
-    return [*marks, *_photo_handles(both), _orbit(p)]
-
-
-def _photo_handles(both: TwoCameras) -> list[AnyMark]:
-    """In photo A the point keeps its depth; in photo B it slides along the ray of A."""
-    p, names = both.params, ("p_x", "p_y", "p_z")
-
-    def in_a(x: float, y: float) -> Mapping[str, float]:
-        return dict(zip(names, both.on_ray(np.array([x, y]), both.depth).tolist(), strict=True))
-
-    depths = np.geomspace(NEAR, FAR, 600)
-    seen = both.images_of_depths(depths) if np.isfinite(both.pixels[0]).all() else np.empty((0, 2))
-
-    def in_b(x: float, y: float) -> Mapping[str, float]:
-        gap = np.hypot(*(seen - (x, y)).T)
-        if not np.isfinite(gap).any():
-            return {}
-        depth = float(depths[int(np.nanargmin(gap))])
-        return dict(zip(names, both.on_ray(both.pixels[0], depth).tolist(), strict=True))
-
-    marks: list[AnyMark] = []
-    step = (4.0, 4.0)
-    if np.isfinite(both.pixels[0]).all() and both.depth > 0:
-        at = (float(both.pixels[0, 0]), float(both.pixels[0, 1]))
-        marks.append(Handle(panel="photo_a", name="in_a", thing="point", label="P in photo A", role="first", at=at,
-                            parameters=names, move=in_a, nudge=step))  # fmt: skip
-    if len(seen) and np.isfinite(both.pixels[1]).all():
-        at = (float(both.pixels[1, 0]), float(both.pixels[1, 1]))
-        marks.append(Handle(panel="photo_b", name="in_b", thing="point", label="P in photo B", role="truth", at=at,
-                            parameters=names, move=in_b, nudge=(12.0, 12.0), answer=True))  # fmt: skip
-    if p.guessing:
-        marks.append(Handle(panel="photo_b", name="guess", thing="guess", label="Your guess", role="accent",
-                            at=(p.guess_x, p.guess_y), parameters=("guess_x", "guess_y"), nudge=step,
-                            move=lambda x, y: {"guess_x": x, "guess_y": y}))  # fmt: skip
-    return marks
-
-
-def _orbit(p: EpipolarParams) -> Handle:
-    return Handle(panel="space", name="orbit", thing="", label="View from", role="neutral", freedom="x",
-                  at=(p.orbit, 150.0), parameters=("orbit",), nudge=(5.0, 0.0),
-                  move=lambda x, _: {"orbit": x})  # fmt: skip
 
 
 def _sheet(both: TwoCameras) -> list[AnyMark]:

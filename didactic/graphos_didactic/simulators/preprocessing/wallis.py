@@ -253,7 +253,7 @@ def _sheet(seen: Filtered) -> list[AnyMark]:
     )
     marks: list[AnyMark] = [
         Number(thing="mean", label="Mean m", value=m, unit=unit, digits=1, role="second"),
-        Number(thing="before", label="Standard deviation s", value=s, unit=unit, digits=1),
+        Number(thing="before", label="Deviation s", value=s, unit=unit, digits=1),
         Formula(thing="gain", tex=r"r_1 = \dfrac{c\,s_t}{c\,s + (1-c)\,s_t}"),
         Formula(thing="gain", tex=gain, answer=True),
         Formula(thing="after", tex=r"g' = r_1 (g - m) + b\,m_t + (1-b)\,m"),
@@ -262,13 +262,13 @@ def _sheet(seen: Filtered) -> list[AnyMark]:
                role="accent", answer=True),
         Number(thing="after", label="Deviation after", value=float(seen.cut(seen.after).std()), unit=unit, digits=1,
                role="accent", answer=True),
-        Number(label="Cut off at 0 or 255", value=seen.cut_off, unit="% of the picture", digits=1),
+        Number(label="Cut off at 0 or 255", value=seen.cut_off, unit="%", digits=1),
     ]  # fmt: skip
     if p.shadow > 0:
         before = float(seen.window_grey.mean() - grey_levels(seen.cut(seen.truth)).mean())
         after = float(seen.cut(seen.after).mean() - seen.cut(seen.ideal).mean())
         marks += [
-            Sentence(text="Error by the shadow (with − without)", role="truth", truth=True),
+            Sentence(text="Error by the shadow", role="truth", truth=True),
             Number(thing="truth", label="before", value=before, unit=unit, digits=1, role="truth", truth=True),
             Number(thing="truth", label="after", value=after, unit=unit, digits=1, role="truth", truth=True,
                    answer=True),
