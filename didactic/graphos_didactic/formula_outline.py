@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import threading
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -11,6 +12,9 @@ import numpy as np
 
 from graphos_core.data.record import Array
 
+TYPESETTER = threading.Lock()
+"""Held by whoever lets matplotlib parse mathtext: its parser is one for the whole process and not made for threads."""
+_loaded = threading.Event()
 SIZE = 100.0
 """Font size of the outlines, in their own unit; the canvas scales."""
 
@@ -34,6 +38,17 @@ class Outline:
     width: float
     ascent: float
     descent: float
+
+
+def load_typesetter() -> None:
+    """Load the typesetter, about a second the first time; may run outside the window's thread."""
+    _digits()
+    _loaded.set()
+
+
+def typesetter_loaded() -> bool:
+    """Whether `load_typesetter` has finished, so that formulas cost milliseconds."""
+    return _loaded.is_set()
 
 
 Glyph = tuple[str, float, float, float]
@@ -86,8 +101,9 @@ def _typeset(tex: str) -> tuple[list[Glyph], dict[str, Shape], list[Shape], floa
     from matplotlib.textpath import text_to_path
 
     font = FontProperties(family="DejaVu Sans", size=_FONT)
-    glyphs, shapes, rules = text_to_path.get_glyphs_mathtext(font, f"${tex}$")
-    width, _, _ = text_to_path.get_text_width_height_descent(f"${tex}$", font, ismath=True)
+    with TYPESETTER:
+        glyphs, shapes, rules = text_to_path.get_glyphs_mathtext(font, f"${tex}$")
+        width, _, _ = text_to_path.get_text_width_height_descent(f"${tex}$", font, ismath=True)
     return list(glyphs), {n: _shape(*s) for n, s in shapes.items()}, [_shape(*rule) for rule in rules], width
 
 

@@ -91,6 +91,8 @@ class Look:
         Handle that has the keyboard, or empty.
     handles : bool
         Whether handles are drawn; not in print.
+    formulas : bool
+        Whether formulas are drawn; not while the typesetter is still being loaded.
     """
 
     theme: Theme = "light"
@@ -100,6 +102,7 @@ class Look:
     chosen: str = ""
     active: str = ""
     handles: bool = True
+    formulas: bool = True
     colours: Mapping[str, str] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -321,4 +324,4 @@ def _draw_plate(
 
 def for_print(look: Look) -> Look:
     """Return the look of an exported figure: no handles, nothing marked."""
-    return replace(look, handles=False, chosen="", active="")
+    return replace(look, handles=False, formulas=True, chosen="", active="")

@@ -58,7 +58,7 @@ def _draw_all(marks: Sequence[Mark], box: Box, canvas: Canvas, look: Look) -> fl
         match mark:
             case Number():
                 y = _draw_number(mark, left, y, width, canvas, look)
-            case Formula():
+            case Formula() if look.formulas:
                 y = _draw_formula(mark, left, y, width, canvas, look)
             case Matrix():
                 y = _draw_matrix(mark, left, y, width, canvas, look)

@@ -6,7 +6,7 @@ import threading
 from dataclasses import replace
 from pathlib import Path
 
-from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtCore import QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import (
     QHBoxLayout,
@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
 from graphos_core.data.record import Array
 from graphos_core.errors import GraphosError
 from graphos_core.params import Level, Params
-from graphos_didactic.formula_outline import formula_outline
+from graphos_didactic.formula_outline import load_typesetter, typesetter_loaded
 from graphos_didactic.scene import Handle
 from graphos_didactic.scene_svg import scene_svg
 from graphos_didactic.scene_text import html_text
@@ -88,8 +88,13 @@ class SimulatorPage(QWidget):
         self._connect()
         self._dress()
         self._redraw()
-        # the typesetter takes a second to load; a formula drawn before just waits for it
-        threading.Thread(target=formula_outline, args=("x",), daemon=True).start()
+        self._loading = QTimer(self, interval=60)
+        self._loading.timeout.connect(self._formulas_ready)
+        if not typesetter_loaded():  # takes a second: the picture appears at once, its formulas when they can
+            for view in (self.view, self.pinned):
+                view.set_look(replace(view.look, formulas=False))
+            threading.Thread(target=load_typesetter, daemon=True).start()
+            self._loading.start()
 
     # ------------------------------------------------------------------------------------------------ public
 
@@ -328,6 +333,12 @@ class SimulatorPage(QWidget):
         self._show_answers(True)
         self.controls.set_free(None)
         self.show_params(params)
+
+    def _formulas_ready(self) -> None:
+        if typesetter_loaded():
+            self._loading.stop()
+            for view in (self.view, self.pinned):
+                view.set_look(replace(view.look, formulas=True))
 
     def _show_answers(self, shown: bool) -> None:
         for view in (self.view, self.pinned):

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
-from graphos_didactic.formula_outline import SIZE, formula_outline
+from graphos_didactic.formula_outline import SIZE, formula_outline, load_typesetter, typesetter_loaded
 
 
 @pytest.mark.parametrize(
@@ -34,3 +36,13 @@ def test_exchanged_digits_equal_a_new_typesetting(tex: str) -> None:
 def test_what_is_not_mathtext_is_refused() -> None:
     with pytest.raises(ValueError, match="frac"):
         formula_outline(r"\frac{1}")
+
+
+def test_formulas_can_be_set_in_several_threads() -> None:
+    load_typesetter()
+    assert typesetter_loaded()
+    with ThreadPoolExecutor(4) as pool:
+        found = list(
+            pool.map(lambda i: formula_outline(rf"\\frac{{a}}{{b_{{{'x' * i}}}}} = {i}"), range(1, 25))
+        )
+    assert all(outline.width > 0 for outline in found)
