@@ -7,6 +7,8 @@ from io import BytesIO
 
 from PySide6.QtGui import QImage, QPixmap
 
+from graphos_didactic.formula_outline import TYPESETTER
+
 
 @lru_cache(maxsize=128)
 def formula_image(mathtext: str, colour: str, points: float, ratio: float = 1.0) -> QImage:
@@ -32,7 +34,7 @@ def formula_image(mathtext: str, colour: str, points: float, ratio: float = 1.0)
     from matplotlib.figure import Figure
 
     buffer = BytesIO()
-    with rc_context({"mathtext.fontset": "stix", "savefig.transparent": True}):
+    with TYPESETTER, rc_context({"mathtext.fontset": "stix", "savefig.transparent": True}):
         figure = Figure(figsize=(0.01, 0.01), dpi=96 * ratio)
         FigureCanvasAgg(figure)
         lines = [f"${line}$" for line in mathtext.strip().splitlines() if line.strip()]
