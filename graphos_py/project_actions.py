@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from PySide6.QtCore import QObject, QUrl
+from PySide6.QtCore import QObject, QUrl, Signal
 from PySide6.QtGui import QDesktopServices
 from PySide6.QtWidgets import QFileDialog, QInputDialog, QWidget
 
@@ -14,8 +14,9 @@ from graphos_core.errors import GraphosError, UserError
 from graphos_core.run import Run
 from graphos_core.text import Text
 from graphos_py.dialogs import KnownDistanceDialog, NewProject, ask, documents
-from graphos_py.jobs import Job
+from graphos_py.jobs import Job, TimeLeft
 from graphos_py.loading import load_engine
+from graphos_py.run_bar import seconds_text
 from graphos_py.session import Session
 from graphos_py.settings import Settings
 from graphos_py.translation import tr
@@ -30,12 +31,16 @@ PHOTO_FILES = (".jpg", ".jpeg", ".png", ".tif", ".tiff")
 class ProjectActions(QObject):
     """The actions behind menus, start page, tree and dropped files."""
 
+    making = Signal(str, object)
+    made = Signal()
+
     def __init__(self, window: QWidget, session: Session, settings: Settings) -> None:
         super().__init__(window)
         self._window = window
         self._session = session
         self._settings = settings
         self._demo_job: Job | None = None
+        self._left = TimeLeft()
         self.asked_folder: Path | None = None
 
     # ---------------------------------------------------------------------------------------- make and open
@@ -99,7 +104,8 @@ class ProjectActions(QObject):
             )  # fmt: skip
             return project.folder
 
-        self._session.message.emit("info", tr("Making the photos of the demo; this takes about a minute."))
+        self._left = TimeLeft()
+        self.making.emit(tr("Preparing the scene of the demo …"), None)
         self._demo_job = Job(work, name="demo")
         self._demo_job.progressed.connect(self._demo_progress)
         self._demo_job.succeeded.connect(self._demo_made)
@@ -107,12 +113,22 @@ class ProjectActions(QObject):
         self._demo_job.finished.connect(self._demo_over)
         self._session.jobs.start(self._demo_job)
 
+    def stop_demo(self) -> None:
+        """Stop making the demo's photos; those that are finished stay."""
+        if self._demo_job is not None:
+            self._demo_job.stop()
+
     def _demo_progress(self, done: float, total: float, what: str) -> None:
-        window = self._window
-        if hasattr(window, "statusBar"):
-            window.statusBar().showMessage(
-                tr("Demo: {what} {done} of {total}", what=tr(what), done=f"{done:.0f}", total=f"{total:.0f}")
-            )
+        seconds = self._left.seconds(done, total, what)
+        text = tr(
+            "Making the demo: {what} {done} of {total}",
+            what=tr(what),
+            done=f"{done:.0f}",
+            total=f"{total:.0f}",
+        )
+        if seconds is not None:
+            text += " · " + seconds_text(seconds)
+        self.making.emit(text, done / total if total else None)
 
     def _demo_made(self, folder: Path) -> None:
         self._demo_job = None
@@ -120,8 +136,7 @@ class ProjectActions(QObject):
 
     def _demo_over(self) -> None:
         self._demo_job = None
-        if hasattr(self._window, "statusBar"):
-            self._window.statusBar().hide()
+        self.made.emit()
 
     def _busy(self) -> bool:
         if self._session.running is None and self._demo_job is None:

@@ -11,6 +11,7 @@ from PySide6.QtWidgets import (
     QGridLayout,
     QHBoxLayout,
     QLabel,
+    QProgressBar,
     QPushButton,
     QScrollArea,
     QSizePolicy,
@@ -91,6 +92,7 @@ class StartPage(QScrollArea):
     demo = Signal()
     lab = Signal()
     recent = Signal(object)
+    stop = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -132,6 +134,7 @@ class StartPage(QScrollArea):
         hint = QLabel(tr("Or drop photos, a folder of photos or a project folder anywhere into this window."))
         hint.setProperty("role", "caption")
         column.addWidget(hint)
+        column.addWidget(self._work_row())
         column.addSpacing(24)
         heading = QLabel(tr("Recent projects"))
         heading.setProperty("role", "heading")
@@ -146,6 +149,38 @@ class StartPage(QScrollArea):
         self.setWidget(page)
         theme().changed.connect(self._rescale)
         self._rescale()
+
+    def _work_row(self) -> QWidget:
+        self._work = QFrame()
+        self._work.setProperty("role", "card")
+        row = QHBoxLayout(self._work)
+        row.setContentsMargins(16, 8, 16, 8)
+        row.setSpacing(12)
+        self.stop_button = QPushButton(tr("Stop"))
+        bind_icon(self.stop_button, "stop", "bad")
+        self.stop_button.clicked.connect(self.stop)
+        self._bar = QProgressBar()
+        self._bar.setTextVisible(False)
+        self._bar.setFixedWidth(220)
+        self._doing = QLabel()
+        row.addWidget(self.stop_button)
+        row.addWidget(self._bar)
+        row.addWidget(self._doing, 1)
+        self._work.hide()
+        return self._work
+
+    def show_work(self, text: str, share: float | None) -> None:
+        """Show that something is being made; `share` 0 to 1, or None while that is unknown."""
+        self._work.show()
+        self._bar.setRange(0, 0 if share is None else 1000)
+        self._bar.setValue(round(1000 * (share or 0.0)))
+        self._doing.setText(text)
+        self.cards["demo"].setEnabled(False)
+
+    def hide_work(self) -> None:
+        """Show that nothing is being made any more."""
+        self._work.hide()
+        self.cards["demo"].setEnabled(True)
 
     def show_recent(self, projects: list[Path]) -> None:
         """List the projects opened last."""

@@ -254,3 +254,21 @@ def test_themes_and_projector_scale_apply_at_once(window, name, scale):
 def test_the_level_is_remembered(window, settings: Settings):
     window.set_level("expert")
     assert settings.level == "expert"
+
+
+def test_the_demo_shows_progress_can_be_stopped_and_says_nothing_is_lost(
+    qtbot, window, tmp_path, monkeypatch
+):
+    import graphos_core.simulation.photo_block as photo_block
+
+    def slow(template, out, *, seed, photos, run):
+        for _ in each(run, range(1000), "photos"):
+            time.sleep(0.01)
+
+    monkeypatch.setattr(photo_block, "simulate_photos", slow)
+    page = window.start_page
+    window.actions_of_project.demo(tmp_path / "demo")
+    qtbot.waitUntil(lambda: page.stop_button.isVisible() and "photos" in page._doing.text(), timeout=5000)
+    page.stop_button.click()
+    qtbot.waitUntil(lambda: not page.stop_button.isVisible(), timeout=1500)
+    assert window.session.project is None
