@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from graphos_core.adjustment.bundle import datum, kernels
+from graphos_core.adjustment.bundle import datum, kernels, result_kernels
 from graphos_core.adjustment.bundle.covariance import Cofactors, cofactors
 from graphos_core.adjustment.bundle.kernels import Rules
 from graphos_core.adjustment.bundle.levenberg_marquardt import Solution, minimise
@@ -96,7 +96,7 @@ def residuals_of(problem: Problem, solution: Solution, rules: Rules) -> tuple[Ar
     """Return residuals (m, 2), projected − measured in px, and robust weights (m,), in the order of the block."""
     m = len(problem.observation)
     sorted_residuals, sorted_weights = np.empty((m, 2)), np.empty(m)
-    kernels.residuals(solution.scene, problem.layout, rules, sorted_residuals, sorted_weights)
+    result_kernels.residuals(solution.scene, problem.layout, rules, sorted_residuals, sorted_weights)
     residuals, weights = np.empty((m, 2)), np.empty(m)
     residuals[problem.observation] = sorted_residuals
     weights[problem.observation] = sorted_weights

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import lapack
 
-from graphos_core.adjustment.bundle import datum, kernels
+from graphos_core.adjustment.bundle import datum, result_kernels
 from graphos_core.adjustment.bundle.kernels import Scene
 from graphos_core.adjustment.bundle.reduced_system import ReducedSystem
 from graphos_core.data import Array
@@ -65,7 +65,7 @@ def cofactors(system: ReducedSystem, scene: Scene) -> Cofactors:
 
     def one(chunk: int) -> None:
         span = problem.chunks[chunk]
-        kernels.point_covariances(scene, problem.layout, system.rules, span, reduced, points)
+        result_kernels.point_covariances(scene, problem.layout, system.rules, span, reduced, points)
 
     system.each_chunk(one)
     defect = null.shape[1]

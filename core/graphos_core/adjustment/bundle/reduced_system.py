@@ -13,7 +13,7 @@ import numpy as np
 from scipy.linalg import lapack
 from threadpoolctl import ThreadpoolController
 
-from graphos_core.adjustment.bundle import kernels
+from graphos_core.adjustment.bundle import kernels, reduction_kernels, step_kernels
 from graphos_core.adjustment.bundle.kernels import Rules, Scene
 from graphos_core.adjustment.bundle.problem import Problem
 from graphos_core.data import Array
@@ -119,7 +119,7 @@ class ReducedSystem:
             matrix[self._first_rows[chunk] :] = 0.0
             vectors, totals = np.zeros((3, u)), np.zeros(7)
             span = self.problem.chunks[chunk]
-            kernels.build(scene, layout, self.rules, damping, span, matrix, vectors, totals)
+            reduction_kernels.build(scene, layout, self.rules, damping, span, matrix, vectors, totals)
             return vectors, totals
 
         parts = self.each_chunk(one)
@@ -161,12 +161,12 @@ class ReducedSystem:
         layout = self.problem.layout
         moved = Scene(*(np.empty_like(part) for part in scene))
         shift = np.zeros((len(layout.pose), 3))
-        kernels.move_photos(scene, layout, step, moved, shift)
+        step_kernels.move_photos(scene, layout, step, moved, shift)
 
         def one(chunk: int) -> Array:
             totals = np.zeros(7)
             span = self.problem.chunks[chunk]
-            kernels.substitute(scene, layout, self.rules, damping, span, step, shift, moved, totals)
+            step_kernels.substitute(scene, layout, self.rules, damping, span, step, shift, moved, totals)
             return totals
 
         totals = sum(self.each_chunk(one))

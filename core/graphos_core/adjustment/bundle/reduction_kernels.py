@@ -1,0 +1,306 @@
+"""Compiled loops that build the reduced normal equations: object points are eliminated point by point.
+
+With V the block of a point, W its coupling with the photos and cameras that see it, the reduced matrix is
+``U − Σ W V⁻¹ Wᵀ`` and the reduced gradient ``g − Σ W V⁻¹ g_point`` (Triggs et al. 2000, section 6.1).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from graphos_core.adjustment.bundle.kernels import (
+    COST,
+    GRADIENT,
+    ROW,
+    VISIBLE,
+    Image,
+    Layout,
+    Rules,
+    Scene,
+    linearise,
+)
+from graphos_core.cameras.kernels import MAX_VALUES
+from graphos_core.data.record import Array
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, inline="always")
+def point_block(ground: Array, misfit: Array, seen: Array, rays: int, v: Array, g: Array) -> None:
+    """Sum the normal equations of one point: ``v`` (6,) = upper triangle of Σ GᵀG, ``g`` (3,) = Σ Gᵀv."""
+    v0 = v1 = v2 = v3 = v4 = v5 = g0 = g1 = g2 = 0.0
+    for k in range(rays):
+        if not seen[k]:
+            continue
+        for a in range(2):
+            j0 = ground[k, a, 0]
+            j1 = ground[k, a, 1]
+            j2 = ground[k, a, 2]
+            v0 += j0 * j0
+            v1 += j0 * j1
+            v2 += j0 * j2
+            v3 += j1 * j1
+            v4 += j1 * j2
+            v5 += j2 * j2
+            g0 += j0 * misfit[k, a]
+            g1 += j1 * misfit[k, a]
+            g2 += j2 * misfit[k, a]
+    v[0] = v0
+    v[1] = v1
+    v[2] = v2
+    v[3] = v3
+    v[4] = v4
+    v[5] = v5
+    g[0] = g0
+    g[1] = g1
+    g[2] = g2
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, inline="always")
+def invert(v: Array, damping: float, inverse: Array) -> bool:
+    """Invert the damped 3×3 block ``v`` (upper triangle) into ``inverse`` (3, 3); False where it is singular."""
+    a = v[0] * (1.0 + damping)
+    d = v[3] * (1.0 + damping)
+    f = v[5] * (1.0 + damping)
+    b = v[1]
+    c = v[2]
+    e = v[4]
+    # Cholesky: the pivots tell how near to singular the block is
+    if a <= 0.0 or d <= 0.0 or f <= 0.0:
+        return False
+    p1 = d - b * b / a
+    if p1 <= 1e-14 * d:
+        return False
+    m = e - b * c / a
+    p2 = f - c * c / a - m * m / p1
+    if p2 <= 1e-14 * f:
+        return False
+    l1 = b / a
+    l2 = c / a
+    l3 = m / p1
+    q = l1 * l3 - l2
+    inverse[2, 2] = 1.0 / p2
+    inverse[1, 2] = -l3 / p2
+    inverse[0, 2] = q / p2
+    inverse[1, 1] = 1.0 / p1 + l3 * l3 / p2
+    inverse[0, 1] = -l1 / p1 - l3 * q / p2
+    inverse[0, 0] = 1.0 / a + l1 * l1 / p1 + q * q / p2
+    inverse[1, 0] = inverse[0, 1]
+    inverse[2, 0] = inverse[0, 2]
+    inverse[2, 1] = inverse[1, 2]
+    return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, inline="always")
+def gather(
+    layout: Layout,
+    i: int,
+    rows: Array,
+    ground: Array,
+    seen: Array,
+    coupling: Array,
+    column: Array,
+    width: Array,
+) -> int:
+    """Collect ``coupling`` (s, ROW, 3) = (∂v/∂block)ᵀ ∂v/∂X of every block of unknowns that sees point i.
+
+    Photos first, in order, then shared cameras; returns their number s.
+    """
+    count = 0
+    rays = layout.start[i + 1] - layout.start[i]
+    for k in range(rays):
+        n = layout.photo[layout.start[i] + k]
+        if not seen[k] or layout.width[n] == 0:
+            continue
+        column[count] = layout.photo_column[n]
+        width[count] = layout.width[n]
+        for a in range(layout.width[n]):
+            for b in range(3):
+                coupling[count, a, b] = rows[k, 0, a] * ground[k, 0, b] + rows[k, 1, a] * ground[k, 1, b]
+        count += 1
+    photos = count
+    for k in range(rays):
+        n = layout.photo[layout.start[i] + k]
+        c = layout.camera[n]
+        if not seen[k] or layout.camera_column[c] < 0:
+            continue
+        s = photos
+        while s < count and column[s] != layout.camera_column[c]:
+            s += 1
+        if s == count:
+            count += 1
+            column[s] = layout.camera_column[c]
+            width[s] = layout.free_count[c]
+            coupling[s] = 0.0
+        shift = layout.pose[n]
+        for a in range(width[s]):
+            for b in range(3):
+                coupling[s, a, b] += (
+                    rows[k, 0, shift + a] * ground[k, 0, b] + rows[k, 1, shift + a] * ground[k, 1, b]
+                )
+    return count
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, inline="always")
+def _add_block(
+    matrix: Array, row: int, col: int, pair: Array, place: tuple[int, int], size: tuple[int, int]
+) -> None:
+    """Add ``A B`` to a block of ``matrix``, A and B the parts of ``pair`` (2, ROW) from ``place`` with ``size``.
+
+    Of a block on the diagonal the upper triangle is added (and entries below it that nobody reads). Three columns
+    stay in registers while the rows pass, which beats short loops along the rows.
+    """
+    for b in range(0, size[1] - size[1] % 3, 3):
+        p0 = pair[0, place[1] + b]
+        p1 = pair[1, place[1] + b]
+        q0 = pair[0, place[1] + b + 1]
+        q1 = pair[1, place[1] + b + 1]
+        r0 = pair[0, place[1] + b + 2]
+        r1 = pair[1, place[1] + b + 2]
+        last = size[0] if row != col else b + 3
+        for a in range(last):
+            j0 = pair[0, place[0] + a]
+            j1 = pair[1, place[0] + a]
+            m0 = matrix[row + a, col + b] + (j0 * p0 + j1 * p1)
+            m1 = matrix[row + a, col + b + 1] + (j0 * q0 + j1 * q1)
+            m2 = matrix[row + a, col + b + 2] + (j0 * r0 + j1 * r1)
+            matrix[row + a, col + b] = m0
+            matrix[row + a, col + b + 1] = m1
+            matrix[row + a, col + b + 2] = m2
+    for b in range(size[1] - size[1] % 3, size[1]):
+        p0 = pair[0, place[1] + b]
+        p1 = pair[1, place[1] + b]
+        last = size[0] if row != col else b + 1
+        for a in range(last):
+            matrix[row + a, col + b] += pair[0, place[0] + a] * p0 + pair[1, place[0] + a] * p1
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, inline="always")
+def _add_reduced(
+    layout: Layout, i: int, rows: Array, misfit: Array, seen: Array, matrix: Array, vectors: Array
+) -> None:
+    """Add the products of the reduced unknowns of point i's observations to the upper triangle of ``matrix``."""
+    for k in range(layout.start[i + 1] - layout.start[i]):
+        if not seen[k]:
+            continue
+        n = layout.photo[layout.start[i] + k]
+        c = layout.camera[n]
+        w = layout.width[n]
+        col = layout.photo_column[n]
+        shared = layout.camera_column[c]
+        free = layout.free_count[c] if shared >= 0 else 0
+        pair = rows[k]
+        _add_block(matrix, col, col, pair, (0, 0), (w, w))
+        if free > 0:
+            _add_block(matrix, col, shared, pair, (0, w), (w, free))
+            _add_block(matrix, shared, shared, pair, (w, w), (free, free))
+        for a in range(w + free):
+            place = col + a if a < w else shared + a - w
+            vectors[0, place] += pair[0, a] * misfit[k, 0] + pair[1, a] * misfit[k, 1]
+            vectors[2, place] += pair[0, a] * pair[0, a] + pair[1, a] * pair[1, a]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, inline="always")
+def _subtract_point(
+    matrix: Array, count: int, coupling: Array, column: Array, width: Array, inverse: Array, solved: Array
+) -> None:
+    """Subtract ``W V⁻¹ Wᵀ`` of one point from the upper triangle of ``matrix``; ``solved`` (ROW, 3) is scratch.
+
+    Three columns of W stay in registers while the rows pass: twice as fast as row by row.
+    """
+    for s in range(count):
+        first = column[s]
+        for a in range(width[s]):
+            w0 = coupling[s, a, 0]
+            w1 = coupling[s, a, 1]
+            w2 = coupling[s, a, 2]
+            solved[a, 0] = inverse[0, 0] * w0 + inverse[0, 1] * w1 + inverse[0, 2] * w2
+            solved[a, 1] = inverse[0, 1] * w0 + inverse[1, 1] * w1 + inverse[1, 2] * w2
+            solved[a, 2] = inverse[0, 2] * w0 + inverse[1, 2] * w1 + inverse[2, 2] * w2
+        for t in range(s, count):
+            whole = width[t] - width[t] % 3
+            for b in range(0, whole, 3):
+                col = column[t] + b
+                last = width[s] if s != t else b + 3
+                p0 = coupling[t, b, 0]
+                p1 = coupling[t, b, 1]
+                p2 = coupling[t, b, 2]
+                q0 = coupling[t, b + 1, 0]
+                q1 = coupling[t, b + 1, 1]
+                q2 = coupling[t, b + 1, 2]
+                r0 = coupling[t, b + 2, 0]
+                r1 = coupling[t, b + 2, 1]
+                r2 = coupling[t, b + 2, 2]
+                for a in range(last):
+                    y0 = solved[a, 0]
+                    y1 = solved[a, 1]
+                    y2 = solved[a, 2]
+                    m0 = matrix[first + a, col] - (y0 * p0 + y1 * p1 + y2 * p2)
+                    m1 = matrix[first + a, col + 1] - (y0 * q0 + y1 * q1 + y2 * q2)
+                    m2 = matrix[first + a, col + 2] - (y0 * r0 + y1 * r1 + y2 * r2)
+                    matrix[first + a, col] = m0
+                    matrix[first + a, col + 1] = m1
+                    matrix[first + a, col + 2] = m2
+            for b in range(whole, width[t]):
+                p0 = coupling[t, b, 0]
+                p1 = coupling[t, b, 1]
+                p2 = coupling[t, b, 2]
+                for a in range(width[s]):
+                    matrix[first + a, column[t] + b] -= (
+                        solved[a, 0] * p0 + solved[a, 1] * p1 + solved[a, 2] * p2
+                    )
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def build(
+    scene: Scene, layout: Layout, rules: Rules, damping: float, span: tuple[int, int, int],
+    matrix: Array, vectors: Array, totals: Array,
+) -> None:  # fmt: skip
+    """Add points ``span[0]`` to ``span[1]`` (at most ``span[2]`` rays each) to the reduced normal equations.
+
+    Parameters
+    ----------
+    damping : float
+        λ: the diagonal of every point's block is multiplied by 1 + λ before it is eliminated.
+    matrix : float64 (u, u)
+        Upper triangle of the reduced matrix, not damped itself.
+    vectors : float64 (3, u)
+        Gradient before the elimination, its change by it, and the diagonal of JᵀJ before it.
+    totals : float64 (7,)
+        Cost, largest gradient element of a point, observations in front of their cameras.
+    """
+    rays = span[2]
+    image = Image(np.empty(2), np.empty((2, 3)), np.empty((2, MAX_VALUES)))
+    rows = np.empty((rays, 2, ROW))
+    ground = np.empty((rays, 2, 3))
+    misfit = np.empty((rays, 2))
+    seen = np.empty(rays, dtype=np.bool_)
+    coupling = np.empty((2 * rays, ROW, 3))
+    column = np.empty(2 * rays, dtype=np.int64)
+    width = np.empty(2 * rays, dtype=np.int64)
+    v = np.empty(6)
+    g = np.empty(3)
+    inverse = np.empty((3, 3))
+    solved = np.empty((ROW, 3))
+    for i in range(span[0], span[1]):
+        count, cost = linearise(scene, layout, rules, i, image, rows, ground, misfit, seen)
+        if layout.free_point[i]:
+            if count < 2:
+                continue
+            point_block(ground, misfit, seen, layout.start[i + 1] - layout.start[i], v, g)
+            if not invert(v, damping, inverse):
+                continue
+            totals[GRADIENT] = max(totals[GRADIENT], abs(g[0]), abs(g[1]), abs(g[2]))
+        totals[COST] += cost
+        totals[VISIBLE] += count
+        _add_reduced(layout, i, rows, misfit, seen, matrix, vectors)
+        if layout.free_point[i]:
+            blocks = gather(layout, i, rows, ground, seen, coupling, column, width)
+            _subtract_point(matrix, blocks, coupling, column, width, inverse, solved)
+            y0 = inverse[0, 0] * g[0] + inverse[0, 1] * g[1] + inverse[0, 2] * g[2]
+            y1 = inverse[1, 0] * g[0] + inverse[1, 1] * g[1] + inverse[1, 2] * g[2]
+            y2 = inverse[2, 0] * g[0] + inverse[2, 1] * g[1] + inverse[2, 2] * g[2]
+            for s in range(blocks):
+                for a in range(width[s]):
+                    vectors[1, column[s] + a] -= (
+                        coupling[s, a, 0] * y0 + coupling[s, a, 1] * y1 + coupling[s, a, 2] * y2
+                    )
