@@ -43,6 +43,6 @@ def test_formulas_can_be_set_in_several_threads() -> None:
     assert typesetter_loaded()
     with ThreadPoolExecutor(4) as pool:
         found = list(
-            pool.map(lambda i: formula_outline(rf"\\frac{{a}}{{b_{{{'x' * i}}}}} = {i}"), range(1, 25))
+            pool.map(lambda i: formula_outline(rf"\frac{{a}}{{b_{{{'x' * i}}}}} = {i}"), range(1, 25))
         )
     assert all(outline.width > 0 for outline in found)
