@@ -130,7 +130,9 @@ def gather(
             count += 1
             column[s] = layout.camera_column[c]
             width[s] = layout.free_count[c]
-            coupling[s] = 0.0
+            for a in range(width[s]):
+                for b in range(3):
+                    coupling[s, a, b] = 0.0
         shift = layout.pose[n]
         for a in range(width[s]):
             for b in range(3):

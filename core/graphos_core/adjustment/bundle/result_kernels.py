@@ -39,7 +39,8 @@ def residuals(scene: Scene, layout: Layout, rules: Rules, out: Array, weights: A
                 out[o, 1] = pixel[1] - layout.xy[o, 1]
                 weights[o] = robust(rules.robust, rules.scale_px, out[o, 0] ** 2 + out[o, 1] ** 2)[1]
             else:
-                out[o] = np.nan
+                out[o, 0] = np.nan
+                out[o, 1] = np.nan
                 weights[o] = 0.0
 
 
@@ -66,7 +67,10 @@ def point_covariances(
     inverse = np.empty((3, 3))
     middle = np.empty((3, 3))
     for i in range(span[0], span[1]):
-        out[i] = 0.0
+        for a in range(3):
+            for b in range(3):
+                out[i, a, b] = 0.0
+                middle[a, b] = 0.0
         if not layout.free_point[i]:
             continue
         linearise(scene, layout, rules, i, image, rows, ground, misfit, seen)
@@ -76,7 +80,6 @@ def point_covariances(
                 out[i, b, b] = np.inf
             continue
         blocks = gather(layout, i, rows, ground, seen, coupling, column, width)
-        middle[:] = 0.0
         for s in range(blocks):
             for a in range(width[s]):
                 h0 = 0.0
@@ -92,4 +95,10 @@ def point_covariances(
                     middle[b, 0] += coupling[s, a, b] * h0
                     middle[b, 1] += coupling[s, a, b] * h1
                     middle[b, 2] += coupling[s, a, b] * h2
-        out[i] = inverse + inverse @ middle @ inverse
+        for a in range(3):
+            for b in range(3):
+                total = inverse[a, b]
+                for c in range(3):
+                    for d in range(3):
+                        total += inverse[a, c] * middle[c, d] * inverse[d, b]
+                out[i, a, b] = total

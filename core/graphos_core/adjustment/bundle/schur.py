@@ -39,12 +39,14 @@ class BundleParams(Params):
         effect="On: needs photos that are rotated, convergent, or of a scene with depth.",
         learn="adjustment/self-calibration", group="Self-calibration",
     )] = True  # fmt: skip
-    free_principal_point: Annotated[bool, About(
-        label="Free principal point", symbol="x_0, y_0",
+    principal_point: Annotated[Literal["automatic", "free", "fixed"], About(
+        label="Principal point", symbol="x_0, y_0",
         help="Whether the principal point is an unknown of the self-calibration.",
-        effect="On: needs photos rolled about their axis, or strongly convergent ones.",
+        effect="Automatic: free where photos are rolled against each other by at least 60°; without roll a shift of "
+        "the principal point and a tilt of the photos are nearly the same thing. Free: always. Fixed: never.",
+        choices={"automatic": "Automatic", "free": "Free", "fixed": "Fixed"},
         learn="adjustment/self-calibration", group="Self-calibration",
-    )] = True  # fmt: skip
+    )] = "automatic"  # fmt: skip
     free_k1: Annotated[bool, About(
         label="Free radial distortion 1", symbol="k_1",
         help="Whether the first radial coefficient is an unknown of the self-calibration.",
@@ -122,7 +124,7 @@ def adjust(block: Block, params: BundleParams, *, run: Run) -> Adjustment:
     )
 
     block = _without_weak_photos(prepare(block, params.calibration, per_photo=params.per_photo))
-    freedom = Freedom(interior=free_parameters(block, params))
+    freedom = Freedom(interior=free_parameters(block, params, run))
     options = Options(
         robust=params.robust,
         max_iterations=params.max_iterations,

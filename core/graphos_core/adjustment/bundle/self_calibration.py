@@ -15,6 +15,12 @@ from graphos_core.text import Text
 WEAK_SHARE = 0.01
 """A parameter is weak when one standard deviation moves a corner of the photo by this share of the half diagonal."""
 
+ROLL = np.radians(60.0)
+"""Roll between two photos from which the principal point is free by itself."""
+
+ALONG = np.radians(60.0)
+"""Largest angle between viewing axes of photos whose roll is compared."""
+
 
 class Switches(Protocol):
     """Which parameters the person wants free."""
@@ -24,7 +30,7 @@ class Switches(Protocol):
     @property
     def free_focal(self) -> bool: ...
     @property
-    def free_principal_point(self) -> bool: ...
+    def principal_point(self) -> str: ...
     @property
     def free_k1(self) -> bool: ...
     @property
@@ -61,21 +67,46 @@ def _as_basic(camera: Camera) -> Camera:
     return replace(camera, model="basic", values=np.concatenate([camera.values, [0.0, 0.0]]), sigmas=None)
 
 
-def free_parameters(block: Block, switches: Switches) -> tuple[tuple[str, ...], ...]:
+def free_parameters(block: Block, switches: Switches, run: Run) -> tuple[tuple[str, ...], ...]:
     """Return the names of the free parameters of each camera, as `Freedom.interior` wants them."""
     if switches.calibration == "fixed":
         return tuple(() for _ in block.cameras)
-    wanted = {
-        "focal_px": switches.free_focal,
-        "x0": switches.free_principal_point,
-        "y0": switches.free_principal_point,
-        "k1": switches.free_k1,
-        "k2": switches.free_k2,
-    }
-    return tuple(
-        tuple(name for name in camera_model(camera.model).names if wanted.get(name, False))
-        for camera in block.cameras
-    )
+    free = []
+    for c, camera in enumerate(block.cameras):
+        point = switches.principal_point == "free"
+        if switches.principal_point == "automatic":
+            point = largest_roll(block, c) >= ROLL
+            if not point and _used(block, c):
+                run.say(Text(
+                    "{camera}: the principal point is held fixed; to determine it, take some photos rolled by 90°.",
+                    camera=camera.label or f"Camera {c + 1}"))  # fmt: skip
+        wanted = {
+            "focal_px": switches.free_focal, "x0": point, "y0": point, "k1": switches.free_k1, "k2": switches.free_k2,
+        }  # fmt: skip
+        free.append(tuple(name for name in camera_model(camera.model).names if wanted.get(name, False)))
+    return tuple(free)
+
+
+def _used(block: Block, camera: int) -> bool:
+    return bool((block.oriented & (block.camera_of_photo == camera)).any())
+
+
+def largest_roll(block: Block, camera: int) -> float:
+    """Return the largest roll between two photos of a camera that look about the same way, radians, 0 to π.
+
+    The roll is the twist of the relative rotation about the viewing axis; pairs whose axes differ by more than
+    `ALONG` are passed over, because there the twist is not defined by the photos' own roll. Without roll the
+    principal point and the tilt of the photos are correlated (Fraser 2013, Automatic camera calibration in close
+    range photogrammetry, section on network geometry).
+    """
+    rotations = block.rotations[block.oriented & (block.camera_of_photo == camera)]
+    largest = 0.0
+    for i, a in enumerate(rotations):
+        relative = rotations[i + 1 :] @ a.T
+        along = relative[:, 2, 2] > np.cos(ALONG)
+        twist = np.arctan2(relative[:, 1, 0] - relative[:, 0, 1], relative[:, 0, 0] + relative[:, 1, 1])
+        largest = max(largest, float(np.abs(twist[along]).max(initial=0.0)))
+    return largest
 
 
 def corner_effect_px(camera: Camera) -> dict[str, float]:

@@ -68,7 +68,8 @@ def _sum_point(
     photo. Returns how many observations are in front of their camera, and ½ Σ ρ.
     """
     pixel, slope, inner = image
-    sums[:] = 0.0
+    for b in range(12):
+        sums[b] = 0.0
     cost = 0.0
     count = 0
     for k in range(layout.start[i + 1] - layout.start[i]):
@@ -157,6 +158,8 @@ def substitute(
         for b in range(3):
             moved.points[i, b] = scene.points[i, b]
             totals[SIZE2] += scene.points[i, b] * scene.points[i, b]
+        for b in range(3):
+            m[b] = 0.0
         if layout.free_point[i]:
             if count < 2 or not invert(sums, damping, inverse):
                 continue
@@ -167,18 +170,16 @@ def substitute(
             totals[PREDICTED] += (
                 0.5 * damping * (sums[0] * m[0] * m[0] + sums[3] * m[1] * m[1] + sums[5] * m[2] * m[2])
             )
-            share = 1.0
-            after = 0.0
-            lost = 0
-            for _ in range(5):
-                for b in range(3):
-                    moved.points[i, b] = scene.points[i, b] + share * m[b]
-                after, lost = cost_of_point(moved, layout, rules, i, image, seen)
-                if lost == 0:
-                    break
-                share *= 0.5
-        else:
+        share = 1.0
+        after = 0.0
+        lost = 0
+        for _ in range(5):
+            for b in range(3):
+                moved.points[i, b] = scene.points[i, b] + share * m[b]
             after, lost = cost_of_point(moved, layout, rules, i, image, seen)
+            if lost == 0 or not layout.free_point[i]:
+                break
+            share *= 0.5
         totals[LOST] += lost
         totals[COST] += max(after, before) if lost > 0 else after
 
@@ -190,8 +191,10 @@ def move_photos(scene: Scene, layout: Layout, step: Array, moved: Scene, shift: 
     ``shift`` (n, 3) becomes R δC.
     """
     for n in range(layout.pose.shape[0]):
-        moved.rotations[n] = scene.rotations[n]
-        moved.centres[n] = scene.centres[n]
+        for b in range(3):
+            moved.centres[n, b] = scene.centres[n, b]
+            for a in range(3):
+                moved.rotations[n, a, b] = scene.rotations[n, a, b]
         if layout.pose[n] == 0:
             continue
         s = step[layout.photo_column[n] : layout.photo_column[n] + 6]
@@ -218,7 +221,9 @@ def move_photos(scene: Scene, layout: Layout, step: Array, moved: Scene, shift: 
                 + scene.rotations[n, b, 1] * s[4]
                 + scene.rotations[n, b, 2] * s[5]
             )
-    moved.values[:] = scene.values
+    for c in range(scene.values.shape[0]):
+        for k in range(scene.values.shape[1]):
+            moved.values[c, k] = scene.values[c, k]
     for n in range(layout.camera.shape[0]):  # a photo's own camera
         c = layout.camera[n]
         if layout.width[n] > layout.pose[n]:
