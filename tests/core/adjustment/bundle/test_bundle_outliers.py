@@ -117,7 +117,7 @@ def test_a_parameter_that_the_photos_cannot_tell_is_warned_of(make_block):
     camera = replace(made.truth.cameras[0], values=np.array([f, 800.0, 600.0, 0.0, 0.0]))
     block = replace(flat, cameras=(camera,), centres=centres, rotations=down, obs_xy=xy)
     run = Listening()
-    adjust(block, BundleParams(free_principal_point=False), run=run)
+    adjust(block, BundleParams(principal_point="fixed"), run=run)
     assert any("Principal distance" in text for text in run.warnings)
 
 
