@@ -84,6 +84,7 @@ class ExplainPanel(QScrollArea):
     def _add(self, column: QVBoxLayout, paragraph: Paragraph) -> None:
         if paragraph.kind == "formula":
             label = QLabel()
+            label.setMinimumWidth(1)
             label.setAccessibleName(paragraph.text)
             self._formulas.append((label, paragraph.text))
             column.addWidget(label)
@@ -97,10 +98,11 @@ class ExplainPanel(QScrollArea):
             button.clicked.connect(lambda: told.emit(paragraph.text))
             column.addWidget(button)
         elif paragraph.kind == "try":
-            button = QPushButton(tr("Try this: {what}", what=tr(paragraph.text)))
+            column.addWidget(_label(tr(paragraph.text)))
+            button = QPushButton(tr("Try this"))
             algorithm = self._subject[0].name if self._subject else ""
             button.clicked.connect(lambda: self.tried.emit(algorithm, dict(paragraph.values)))
-            column.addWidget(button)
+            column.addWidget(button, 0, Qt.AlignmentFlag.AlignLeft)
         else:
             if paragraph.kind == "heading" and column.count():
                 column.addSpacing(6)

@@ -65,6 +65,7 @@ class Messages(QWidget):
         column.addLayout(row)
         self._list = QListWidget()
         self._list.setWordWrap(True)
+        self._list.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self._list.setIconSize(QSize(16, 16))
         self._list.setSelectionMode(QListWidget.SelectionMode.ExtendedSelection)
         self._list.setVerticalScrollMode(QListWidget.ScrollMode.ScrollPerPixel)

@@ -80,7 +80,9 @@ class DenseTab(StageTab):
             self._show_map(maps[-1])
 
     def show_photo(self, index: int) -> None:
-        """Show the depth map of another photo."""
+        """Show the depth map of another photo, if that page is in sight."""
+        if self.views.currentIndex() != DEPTH:
+            return
         if index in self._maps:
             self._show_map(self._maps[index])
         elif self.result is not None:
@@ -88,6 +90,10 @@ class DenseTab(StageTab):
             self.depth_text.setText(
                 tr("There is no depth map of this photo: it is not oriented or no neighbour sees the same.")
             )
+
+    def view_shown(self, index: int) -> None:
+        """Draw the depth map when its page comes into sight."""
+        self.show_photo(self.session.photo)
 
     def _show_map(self, depth_map: DepthMap) -> None:
         project = self.session.project
