@@ -46,11 +46,15 @@ class Explanation:
 
 def lesson_about(algorithm: Algorithm) -> Lesson | None:
     """Return the lesson about an algorithm, if there is one."""
-    name = f"{algorithm.stage}.{algorithm.name}"
-    for lesson in lessons().values():
-        if lesson.algorithm == name:
-            return lesson
-    return lessons().get(algorithm.learn)
+    if algorithm.learn in lessons():
+        return lessons()[algorithm.learn]
+    name = full_name(algorithm)
+    return next((lesson for lesson in lessons().values() if lesson.algorithm == name), None)
+
+
+def full_name(algorithm: Algorithm) -> str:
+    """Return stage and name: ``"preprocessing.wallis"``."""
+    return f"{algorithm.stage}.{algorithm.name}"
 
 
 def explain_algorithm(algorithm: Algorithm) -> Explanation:
@@ -63,7 +67,7 @@ def explain_algorithm(algorithm: Algorithm) -> Explanation:
         effect="",
         facts=(),
         fails=lesson.fails if lesson else "",
-        trials=lesson.trials if lesson else (),
+        trials=lesson.trials if lesson and lesson.algorithm == full_name(algorithm) else (),
         source=algorithm.source,
         lesson=lesson.name if lesson else "",
         simulator=lesson.simulator if lesson else "",
@@ -75,7 +79,8 @@ def explain_parameter(algorithm: Algorithm, name: str) -> Explanation:
     declaration = algorithm.params.declarations()[name]
     about = declaration.about
     own = lessons().get(about.learn) or lesson_about(algorithm)
-    trials = tuple(t for t in (own.trials if own else ()) if name in t.values)
+    fitting = own is not None and own.algorithm == full_name(algorithm)
+    trials = tuple(t for t in (own.trials if own and fitting else ()) if name in t.values)
     return Explanation(
         title=about.label,
         what=about.help,

@@ -115,6 +115,13 @@ def _surface_error(pipeline: Pipeline, truth: Truth | None) -> Figure | None:
     return Figure("median surface error", 1000.0 * surface_errors(placed, truth.mesh).median_m, 0.0, "mm")
 
 
+def _surface_error_gsd(pipeline: Pipeline, truth: Truth | None) -> Figure | None:
+    found = _surface_error(pipeline, truth)
+    if found is None or truth is None:
+        return None
+    return Figure("median surface error", found.value / (1000.0 * truth.gsd_m), 0.0, "GSD")
+
+
 def _dense_points(pipeline: Pipeline, truth: Truth | None) -> Figure | None:
     found = pipeline.result("dense")
     return (
@@ -138,6 +145,7 @@ FIGURES: dict[str, Source] = {
     "check_rms": _check_rms,
     "centre_error": _centre_error,
     "surface_error": _surface_error,
+    "surface_error_gsd": _surface_error_gsd,
     "dense_points": _dense_points,
 }
 """Every figure by the name that labs use."""

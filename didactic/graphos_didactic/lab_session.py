@@ -15,12 +15,15 @@ from graphos_core import __version__
 from graphos_core.data import PhotoSet
 from graphos_core.errors import UserError
 from graphos_core.pipeline import Pipeline
+from graphos_core.project import FILE as PROJECT_FILE
+from graphos_core.project import Project
+from graphos_core.run import Run
 from graphos_core.simulation.photo_block import simulate_photos
-from graphos_core.simulation.templates import TEMPLATES
 from graphos_core.simulation.truth import Truth, load_truth
 from graphos_core.store import write_text
 from graphos_core.text import Text
-from graphos_didactic.labs import Lab, Outcome, Step, answer_key, check, figure_of, parse_number, student_seed
+from graphos_didactic.lab_check import Outcome, answer_key, check, figure_of, parse_number
+from graphos_didactic.labs import Lab, Step, student_seed
 
 FILE = "lab.json"
 
@@ -70,16 +73,28 @@ class LabSession:
         """First step that is not done; the number of steps when all are."""
         return next((i for i in range(len(self.lab.steps)) if i not in self.passed), len(self.lab.steps))
 
-    def prepare(self, run: Any) -> None:
-        """Make the student's own photo block, unless it is there."""
-        if (self.simulation / "truth" / "cameras.json").exists():
-            return
-        block = self.lab.block
-        params = TEMPLATES[block["template"]].params()
-        simulate_photos(
-            block["template"], self.simulation, params=params, width=block["width"], height=block["height"],
-            photos=block["photos"], seed=self.seed, run=run,
-        )  # fmt: skip
+    def prepare(self, run: Run) -> None:
+        """Make the student's own photo block and the project for it, unless they are there.
+
+        Raises
+        ------
+        UserError
+            When the folder cannot be written.
+        Stopped
+        """
+        if self.truth() is None:
+            block = self.lab.block
+            simulate_photos(
+                block["template"], self.simulation, width=block["width"], height=block["height"],
+                photos=block["photos"], seed=self.seed, run=run,
+            )  # fmt: skip
+        if not (self.project_folder / PROJECT_FILE).exists():
+            control = self.simulation / "control.csv"
+            Project.create(
+                self.project_folder, self.simulation / "photos", name=f"{self.lab.title} ({self.student})", run=run,
+                control=control if control.exists() else None, reference="../simulation/truth/mesh.ply", seed=0,
+            )  # fmt: skip
+        self.save()
 
     def truth(self) -> Truth | None:
         """Return the truth of the student's block; None before it was made."""

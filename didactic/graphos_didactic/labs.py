@@ -28,8 +28,8 @@ A lab is a folder with ``lab.toml``::
 from __future__ import annotations
 
 import hashlib
+import re
 import tomllib
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -38,11 +38,10 @@ from typing import Any, Literal
 
 from graphos_core.errors import UserError
 from graphos_core.params import unknown_name
-from graphos_core.pipeline import Pipeline
 from graphos_core.registry import STAGES, Stage
-from graphos_core.simulation.truth import Truth
+from graphos_core.simulation.templates import TEMPLATES
 from graphos_core.text import Text
-from graphos_didactic.lab_figures import FIGURES, Figure
+from graphos_didactic.lab_figures import FIGURES
 
 Kind = Literal["read", "predict", "do", "measure", "compare", "explain"]
 KINDS: tuple[Kind, ...] = ("read", "predict", "do", "measure", "compare", "explain")
@@ -53,19 +52,23 @@ NEEDED = {
     "compare": ("figure",),
     "explain": ("words",),
 }
-KNOWN = {
-    "kind",
-    "title",
-    "text",
-    "figure",
-    "stage",
-    "words",
-    "hints",
-    "at_least",
-    "at_most",
-    "simulator",
-    "lesson",
+KNOWN: dict[str, type | tuple[type, ...]] = {
+    "kind": str,
+    "title": str,
+    "text": str,
+    "figure": str,
+    "stage": str,
+    "words": int,
+    "hints": list,
+    "at_least": (int, float),
+    "at_most": (int, float),
+    "simulator": str,
+    "lesson": str,
 }
+TOP = {"title": str, "goal": str, "minutes": int, "block": dict, "step": list}
+LIMITS = {"photos": (2, 100), "width": (160, 8000), "height": (120, 8000)}
+SHAPE = 'For example: block = { template = "facade", photos = 6, width = 800, height = 600 }, and steps as [[step]].'
+STEP_LINE = re.compile(r"\s*\[\[\s*step\s*\]\]")
 
 
 @dataclass(frozen=True)
@@ -108,21 +111,6 @@ class Lab:
     steps: tuple[Step, ...]
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """What a check says.
-
-    Attributes
-    ----------
-    passed : bool
-    text : str
-        With numbers, units and the tolerance.
-    """
-
-    passed: bool
-    text: str
-
-
 def read_lab(name: str, source: str) -> Lab:
     """Read a lab from the text of its ``lab.toml``.
 
@@ -137,28 +125,49 @@ def read_lab(name: str, source: str) -> Lab:
         raise UserError(
             Text("The lab {name} cannot be read.", name=name), f"{problem}.", "Correct that line."
         ) from problem
-    for key in ("title", "goal", "minutes", "block", "step"):
+    for key, kind in TOP.items():
         if key not in document:
             raise UserError(Text("The lab {name} has no “{key}”.", name=name, key=key))
-    lines = [i + 1 for i, line in enumerate(source.splitlines()) if line.strip() == "[[step]]"]
-    steps = tuple(_step(name, line, entry) for line, entry in zip(lines, document["step"], strict=True))
-    return Lab(
-        name,
-        str(document["title"]),
-        str(document["goal"]),
-        int(document["minutes"]),
-        dict(document["block"]),
-        steps,
+        if not isinstance(document[key], kind) or document[key] in ([], {}):
+            raise UserError(Text("The lab {name} has a wrong “{key}”.", name=name, key=key), todo=SHAPE)
+    _check_block(name, document["block"])
+    lines = [i + 1 for i, line in enumerate(source.splitlines()) if STEP_LINE.match(line)]
+    entries = document["step"]
+    if len(lines) != len(entries):  # written as an array, or the words stand in a text
+        lines = [0] * len(entries)
+    steps = tuple(
+        _step(name, i + 1, line, entry) for i, (line, entry) in enumerate(zip(lines, entries, strict=True))
     )
+    return Lab(name, document["title"], document["goal"], document["minutes"], document["block"], steps)
 
 
-def _step(lab: str, line: int, entry: dict[str, Any]) -> Step:
+def _check_block(lab: str, block: dict[str, Any]) -> None:
+    wrong = Text("The lab {lab} has a wrong “block”.", lab=lab)
+    for key in ("template", "photos", "width", "height"):
+        if key not in block:
+            raise UserError(wrong, Text("“{key}” is missing.", key=key), SHAPE)
+    if block["template"] not in TEMPLATES:
+        raise UserError(wrong, unknown_name(str(block["template"]), list(TEMPLATES), "template"))
+    for key, (least, most) in LIMITS.items():
+        if type(block[key]) is not int or not least <= block[key] <= most:
+            raise UserError(
+                wrong,
+                Text("“{key}” is {value}, needs {a} to {b}.", key=key, value=block[key], a=least, b=most),
+            )
+
+
+def _step(lab: str, number: int, line: int, entry: dict[str, Any]) -> Step:
     def wrong(what: str) -> UserError:
-        return UserError(Text("The lab {lab} is wrong in the step of line {line}.", lab=lab, line=line), what)
+        where = Text("the step of line {line}", line=line) if line else Text("step {number}", number=number)
+        return UserError(Text("The lab {lab} is wrong in {where}.", lab=lab, where=where), what)
 
-    for key in entry:
+    if not isinstance(entry, dict):
+        raise wrong("It is not a table.")
+    for key, value in entry.items():
         if key not in KNOWN:
             raise wrong(unknown_name(key, sorted(KNOWN), "entry"))
+        if not isinstance(value, KNOWN[key]) or isinstance(value, bool):
+            raise wrong(Text("“{key}” has the wrong kind of value: {value}.", key=key, value=value))
     kind = entry.get("kind")
     if kind not in KINDS:
         raise wrong(unknown_name(str(kind), list(KINDS), "kind"))
@@ -169,7 +178,10 @@ def _step(lab: str, line: int, entry: dict[str, Any]) -> Step:
         raise wrong(unknown_name(entry["figure"], list(FIGURES), "figure"))
     if entry.get("stage") and entry["stage"] not in STAGES:
         raise wrong(unknown_name(entry["stage"], list(STAGES), "stage"))
-    return Step(**{**entry, "hints": tuple(entry.get("hints", ()))})
+    hints = tuple(entry.get("hints", ()))
+    if not all(isinstance(hint, str) for hint in hints):
+        raise wrong("Every hint is a text.")
+    return Step(**{**entry, "hints": hints})
 
 
 @cache
@@ -187,7 +199,7 @@ def read_lab_folder(folder: Path) -> Lab:
     """Read a lab that an instructor wrote; see `read_lab` for what is raised."""
     try:
         return read_lab(folder.name, (folder / "lab.toml").read_text("utf-8"))
-    except OSError as problem:
+    except (OSError, UnicodeDecodeError) as problem:
         raise UserError(
             Text("{folder} is not a lab.", folder=folder),
             "It has no lab.toml that can be read.",
@@ -199,115 +211,3 @@ def student_seed(student: str, lab: str) -> int:
     """Return the seed of a student's own block: the same for the same name and lab, everywhere."""
     plain = " ".join(student.casefold().split())
     return int.from_bytes(hashlib.sha256(f"{lab}\n{plain}".encode()).digest()[:3], "big")
-
-
-def figure_of(step: Step, pipeline: Pipeline, truth: Truth | None) -> Figure | None:
-    """Return the figure a step is about, from the student's own results; None while they are missing."""
-    return FIGURES[step.figure](pipeline, truth) if step.figure else None
-
-
-def check(step: Step, answer: str, pipeline: Pipeline, truth: Truth | None) -> Outcome:
-    """Judge a step on the student's own results.
-
-    Parameters
-    ----------
-    step : Step
-    answer : str
-        What the student typed; not used by read, do and compare.
-    pipeline : Pipeline
-        Of the student's project.
-    truth : Truth or None
-    """
-    if step.kind == "read":
-        return Outcome(True, "")
-    if step.kind == "explain":
-        words = len(answer.split())
-        return Outcome(words >= step.words, Text("{n} words, {needed} needed.", n=words, needed=step.words))
-    if step.kind == "predict":
-        number = parse_number(answer)
-        if number is None:
-            return Outcome(False, "Type a number.")
-        return Outcome(True, "Kept; you will compare it with the result later.")
-    if step.kind == "do":
-        return _check_do(step, pipeline, truth)
-    figure = figure_of(step, pipeline, truth)
-    if figure is None:
-        return Outcome(False, "The result is not there yet: run the step of the workflow first.")
-    return _check_measure(figure, answer) if step.kind == "measure" else _check_compare(figure)
-
-
-def parse_number(text: str) -> float | None:
-    """Return the number a student typed, with a decimal point or comma; None when it is none."""
-    try:
-        return float(text.strip().replace(",", ".").replace("\u2009", "").replace(" ", ""))
-    except ValueError:
-        return None
-
-
-def rounding(text: str) -> float:
-    """Return half a unit of the last digit a student typed: ``"12.3"`` gives 0.05."""
-    digits = text.strip().replace(",", ".").partition(".")[2]
-    return 0.5 * 10.0 ** -len(digits)
-
-
-def _check_do(step: Step, pipeline: Pipeline, truth: Truth | None) -> Outcome:
-    assert step.stage is not None
-    if pipeline.result(step.stage) is None:
-        state = pipeline.state(step.stage)
-        return Outcome(
-            False, Text("{stage} is not finished: {line}.", stage=step.stage.capitalize(), line=state.line)
-        )
-    figure = figure_of(step, pipeline, truth)
-    if figure is not None:
-        shown = f"{figure.label}: {figure.value:g} {figure.unit}".strip()
-        if step.at_least is not None and figure.value < step.at_least:
-            return Outcome(
-                False, Text("{shown}, at least {limit:g} needed.", shown=shown, limit=step.at_least)
-            )
-        if step.at_most is not None and figure.value > step.at_most:
-            return Outcome(
-                False, Text("{shown}, at most {limit:g} allowed.", shown=shown, limit=step.at_most)
-            )
-        return Outcome(True, shown + ".")
-    return Outcome(True, pipeline.state(step.stage).line)
-
-
-def _check_measure(figure: Figure, answer: str) -> Outcome:
-    number = parse_number(answer)
-    if number is None:
-        return Outcome(False, "Type a number.")
-    tolerance = max(3.0 * figure.sigma, rounding(answer))
-    difference = number - figure.value
-    text = Text(
-        "difference {d:+.3g} {unit}, allowed ±{t:.2g} {unit}", d=difference, unit=figure.unit, t=tolerance
-    )
-    return Outcome(abs(difference) <= tolerance * (1 + 1e-9), text)
-
-
-def _check_compare(figure: Figure) -> Outcome:
-    if figure.truth is None:
-        return Outcome(False, "The truth is not known here: this step needs the lab's own simulated block.")
-    difference = figure.value - figure.truth
-    ratio = abs(difference) / figure.sigma if figure.sigma > 0 else (0.0 if difference == 0 else float("inf"))
-    text = Text(
-        "{label}: estimated {v:.6g}, true {t:.6g} {unit}; error {d:+.3g} {unit} = {r:.1f} σ",
-        label=figure.label, v=figure.value, t=figure.truth, unit=figure.unit, d=difference, r=ratio,
-    )  # fmt: skip
-    return Outcome(ratio <= 3.0, text)
-
-
-def answer_key(lab: Lab, pipeline: Pipeline, truth: Truth | None) -> list[tuple[str, str]]:
-    """Return the instructor's key: for each step with a figure its value, σ and truth, computed from the results."""
-    return [(step.title, _key_line(figure_of(step, pipeline, truth))) for step in _with_figure(lab.steps)]
-
-
-def _with_figure(steps: Iterable[Step]) -> list[Step]:
-    return [step for step in steps if step.figure]
-
-
-def _key_line(figure: Figure | None) -> str:
-    if figure is None:
-        return "not computed yet"
-    sigma = f" ± {figure.sigma:.2g}" if figure.sigma > 0 else ""
-    truth = f"; truth {figure.truth:.6g}" if figure.truth is not None else ""
-    return f"{figure.value:.6g}{sigma} {figure.unit}{truth}"
