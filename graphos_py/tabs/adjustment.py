@@ -55,9 +55,12 @@ class AdjustmentTab(StageTab):
         self.add_view(self.cloud, "3D")
         self.add_view(_column(self.summary, self.cameras), "Calibration")
         self.add_view(self.photos, "Photos")
+        self.residual_text = QLabel()
+        self.residual_text.setWordWrap(True)
+        self.residual_text.setMargin(12)
         residuals = QSplitter(Qt.Orientation.Horizontal)
         residuals.addWidget(self.residual_image)
-        residuals.addWidget(self.histogram)
+        residuals.addWidget(_column(self.residual_text, self.histogram))
         residuals.setSizes([500, 500])
         self.add_view(residuals, "Residuals")
         self.add_view(self.iterations, "Iterations")
@@ -152,8 +155,8 @@ class AdjustmentTab(StageTab):
             np.asarray(adjustment.residuals).ravel(),
             tr("residual per coordinate"),
             "px",
-            title=tr("Image residuals, RMS per coordinate {rms}", rms=rms),
         )
+        self.residual_text.setText(tr("Image residuals of all photos, RMS per coordinate {rms}", rms=rms))
 
     def _show_trace(self) -> None:
         if self._trace:

@@ -46,9 +46,17 @@ class QualityTab(StageTab):
         column.addWidget(scroll, 1)
         column.addWidget(self.figures, 3)
         self.histogram = PlotView()
+        self.definition = QLabel()
+        self.definition.setWordWrap(True)
+        self.definition.setMargin(12)
+        self.distances = QWidget()
+        column = QVBoxLayout(self.distances)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addWidget(self.definition)
+        column.addWidget(self.histogram, 1)
         self.cloud = CloudView()
         self.add_view(page, "Figures and advice")
-        self.add_view(self.histogram, "Distances")
+        self.add_view(self.distances, "Distances")
         self.add_view(self.cloud, "Measure in the cloud")
 
     def show_result(self, result: Any) -> None:
@@ -79,7 +87,7 @@ class QualityTab(StageTab):
         self._show_cloud(comparison)
 
     def _show_distances(self, comparison: ComparisonResult | None) -> None:
-        self.views.setTabVisible(self.views.indexOf(self.histogram), comparison is not None)
+        self.views.setTabVisible(self.views.indexOf(self.distances), comparison is not None)
         if comparison is not None:
             distances = np.asarray(comparison.distances)
             reach = 1.5 * float(comparison.statistics.get("q95", np.nanmax(np.abs(distances)))) or 1.0
@@ -87,8 +95,8 @@ class QualityTab(StageTab):
                 distances[np.abs(distances) <= reach],
                 tr("distance"),
                 comparison.unit,
-                title=tr(comparison.definition),
             )
+            self.definition.setText(tr(comparison.definition))
 
     def _show_cloud(self, comparison: ComparisonResult | None) -> None:
         dense = self.session.results.get("dense")
