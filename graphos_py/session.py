@@ -16,6 +16,7 @@ from graphos_core.run import Run
 from graphos_core.text import Text
 from graphos_py.jobs import Job, Jobs, TimeLeft
 from graphos_py.loading import DRAFT, create_project, open_project, read_latest
+from graphos_py.loading import load_engine as load_engine
 
 if TYPE_CHECKING:
     from graphos_core.pipeline import Pipeline
