@@ -109,6 +109,15 @@ class LabSession:
         self.save()
         return outcome
 
+    def keep(self, index: int, text: str) -> None:
+        """Keep what was typed; an answer changed after its check has to be checked again, predictions stay."""
+        before = self.answers.get(index, "")
+        if text == before or (self.lab.steps[index].kind == "predict" and index in self.passed):
+            return
+        self.answers[index] = text
+        self.passed.discard(index)
+        self.save()
+
     def hint(self, index: int) -> str:
         """Return the next hint of a step and remember that it was taken."""
         available = self.lab.steps[index].hints

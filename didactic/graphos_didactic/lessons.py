@@ -82,6 +82,12 @@ class Lesson:
         """The room it belongs to."""
         return self.name.partition("/")[0]
 
+    @property
+    def summary(self) -> str:
+        """First sentence of the text, without marks."""
+        plain = " ".join(re.sub(r"[*_$`]", "", self.text).split())
+        return plain.partition(". ")[0].partition(": ")[0].rstrip(".") + "."
+
     def markdown(self, picture: Callable[[str, str], str]) -> str:
         """Return the text with directives filled in.
 

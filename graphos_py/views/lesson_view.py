@@ -1,0 +1,256 @@
+"""Shows Markdown with formulas and the engine's own pictures; text of strangers can do no harm.
+
+HTML in the text is escaped, nothing is loaded from files or the network; formulas and pictures are drawn in jobs
+and filled in when they are ready.
+"""
+
+from __future__ import annotations
+
+from base64 import urlsafe_b64decode, urlsafe_b64encode
+from functools import cache
+from html import escape
+from typing import Any
+
+from PySide6.QtCore import QByteArray, QRectF, QTimer, QUrl, Signal, Slot
+from PySide6.QtGui import QImage, QPainter, QResizeEvent, QTextDocument
+from PySide6.QtSvg import QSvgRenderer
+from PySide6.QtWidgets import QTextBrowser, QWidget
+
+from graphos_core.run import Run
+from graphos_didactic.lessons import Lesson
+from graphos_py.formula import formula_image
+from graphos_py.jobs import Job, Jobs
+from graphos_py.theme import theme
+
+PICTURE = (1080, 620)
+LINKS = ("lesson", "simulator")
+
+
+@cache
+def parser() -> Any:
+    """Return the Markdown parser: tables and formulas on, HTML off."""
+    from markdown_it import MarkdownIt
+    from mdit_py_plugins.dollarmath import dollarmath_plugin
+
+    made = MarkdownIt("commonmark", {"html": False}).enable("table")
+    return made.use(dollarmath_plugin, allow_digits=False, double_inline=True, renderer=_formula)
+
+
+def _formula(text: str, options: dict[str, Any]) -> str:
+    size = "d" if options.get("display_mode") else "i"
+    address = urlsafe_b64encode(text.strip().encode()).decode()
+    return f'<img src="formula:{size}{address}" alt="{escape(text.strip())}" style="vertical-align: middle"/>'
+
+
+def to_html(markdown: str) -> str:
+    """Return the HTML of a Markdown text; formulas are images with the address ``formula:``."""
+    html = str(parser().render(markdown))
+    return html.replace("<table>", '<table border="1" cellspacing="0" cellpadding="6" width="100%">').replace(
+        "<eqn>", "<p align='center'>"
+    )
+
+
+def formulas_in(html: str) -> list[str]:
+    """Return the addresses of the formulas of a page, each once."""
+    parts = html.split('src="formula:')[1:]
+    return list(dict.fromkeys("formula:" + part.partition('"')[0] for part in parts))
+
+
+def formula_text(address: str) -> str:
+    """Return the mathtext of a formula's address."""
+    return urlsafe_b64decode(address.partition(":")[2][1:]).decode()
+
+
+class LessonView(QTextBrowser):
+    """A page of Markdown.
+
+    Parameters
+    ----------
+    jobs : Jobs
+
+    Signals
+    -------
+    asked : str, str
+        A link to a ``"lesson"`` or a ``"simulator"``, and its name.
+    drawn
+        All formulas and pictures of the page are there.
+    """
+
+    asked = Signal(str, str)
+    drawn = Signal()
+
+    def __init__(self, jobs: Jobs, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._jobs = jobs
+        self._markdown = ""
+        self._html = ""
+        self._images: dict[str, QImage] = {}
+        self._svgs: dict[str, bytes] = {}
+        self._current: set[Job] = set()
+        self.setOpenLinks(False)
+        self.setOpenExternalLinks(False)
+        self.document().setDocumentMargin(20)
+        self.anchorClicked.connect(self._clicked)
+        theme().changed.connect(self._dress)
+        self._refit = QTimer(self, singleShot=True, interval=120)
+        self._refit.timeout.connect(self._place_pictures)
+
+    @property
+    def waiting(self) -> bool:
+        """Whether formulas or pictures are still being drawn."""
+        return bool(self._current)
+
+    def show_lesson(self, lesson: Lesson) -> None:
+        """Show a lesson with its pictures."""
+        self.show_markdown(lesson.markdown(lambda simulator, preset: f"picture:{simulator}#{preset}"))
+
+    def show_markdown(self, text: str) -> None:
+        """Show a text; ``picture:ROOM/NAME#PRESET`` is the picture of a simulator."""
+        self._markdown = text
+        self._svgs.clear()
+        self._draw()
+        self.verticalScrollBar().setValue(0)
+
+    def loadResource(self, kind: int, name: QUrl | str) -> Any:
+        """Return what was drawn; nothing is ever read from a file or the network."""
+        if kind == QTextDocument.ResourceType.ImageResource:
+            return self._images.get(name.toString() if isinstance(name, QUrl) else name, QImage())
+        return None
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Fit the pictures to the width."""
+        super().resizeEvent(event)
+        if self._svgs:
+            self._refit.start()
+
+    # ---------------------------------------------------------------------------------------------- drawing
+
+    def _dress(self) -> None:
+        if self._markdown:
+            self._svgs.clear()
+            self._draw()
+
+    def _draw(self) -> None:
+        for job in self._current:
+            job.stop()
+        self._current = set()
+        self._images = {}
+        self._html = to_html(self._markdown)
+        look = theme()
+        text, muted, border, accent = (look.colour(n).name() for n in ("text", "muted", "border", "accent"))
+        self.document().setDefaultStyleSheet(
+            f"body, p, li, td, th {{ color: {text}; line-height: 140%; }} a {{ color: {accent}; }}"
+            f"p {{ margin-top: 6px; margin-bottom: 8px; }} em {{ color: {muted}; }}"
+            f"table {{ border-collapse: collapse; border-color: {border}; margin: 8px 0; }}"
+            f"h1 {{ font-size: {look.points('title')}pt; }} h2 {{ font-size: {look.points('heading')}pt; }}"
+            f"th {{ text-align: left; color: {muted}; }}"
+        )
+        self._lay()
+        self._start(self._draw_formulas(), self._formulas_drawn)
+        self._start(self._draw_pictures(), self._pictures_drawn)
+
+    def _start(self, job: Job | None, then: Any) -> None:
+        if job is not None:
+            self._current.add(job)
+            job.succeeded.connect(then)
+            job.finished.connect(self._over)
+            self._jobs.start(job)
+
+    @Slot()
+    def _over(self) -> None:
+        job = self.sender()
+        if job in self._current:
+            self._current.discard(job)  # type: ignore[arg-type]
+            if not self._current:
+                self.drawn.emit()
+
+    def _draw_formulas(self) -> Job | None:
+        wanted = formulas_in(self._html)
+        colour, ratio = theme().colour("text").name(), self.devicePixelRatioF()
+        points = {"d": theme().points("heading"), "i": theme().points("body")}
+
+        def work(run: Run) -> dict[str, QImage]:
+            found = {}
+            for address in wanted:
+                run.check()
+                found[address] = formula_image(
+                    formula_text(address), colour, points[address.partition(":")[2][0]], ratio
+                )
+            return found
+
+        return Job(work, name="formulas", engine=False) if wanted else None
+
+    @Slot(object)
+    def _formulas_drawn(self, images: dict[str, QImage]) -> None:
+        if self.sender() not in self._current:
+            return
+        self._images |= images
+        for address, image in images.items():
+            if image.isNull():  # what cannot be set is shown as it was written
+                self._html = _without_image(self._html, address)
+        self._lay()
+
+    def _draw_pictures(self) -> Job | None:
+        parts = self._html.split('src="picture:')[1:]
+        wanted = ["picture:" + part.partition('"')[0] for part in parts]
+        name = theme().name
+
+        def work(run: Run) -> dict[str, bytes]:
+            from graphos_didactic.scene_drawing import Look
+            from graphos_didactic.scene_svg import scene_svg
+            from graphos_didactic.simulator import find_simulator
+
+            found = {}
+            for address in wanted:
+                run.check()
+                key, _, preset = address.partition(":")[2].partition("#")
+                simulator = find_simulator(key)
+                params = simulator.preset(preset) if preset else simulator.params()
+                look = Look(theme=name, font=15.0)
+                svg = scene_svg(simulator.scene(params), width=PICTURE[0], height=PICTURE[1], look=look)
+                found[address] = svg.encode()
+            return found
+
+        return Job(work, name="pictures", engine=False) if wanted else None
+
+    @Slot(object)
+    def _pictures_drawn(self, svgs: dict[str, bytes]) -> None:
+        if self.sender() not in self._current:
+            return
+        self._svgs = svgs
+        self._place_pictures()
+
+    def _place_pictures(self) -> None:
+        width = max(240, min(PICTURE[0], self.viewport().width() - 48))
+        height = round(width * PICTURE[1] / PICTURE[0])
+        ratio = self.devicePixelRatioF()
+        for address, svg in self._svgs.items():
+            image = QImage(
+                round(width * ratio), round(height * ratio), QImage.Format.Format_ARGB32_Premultiplied
+            )
+            image.setDevicePixelRatio(ratio)
+            image.fill(theme().colour("base"))
+            painter = QPainter(image)
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            QSvgRenderer(QByteArray(svg)).render(painter, QRectF(0, 0, width, height))
+            painter.end()
+            self._images[address] = image
+        self._lay()
+
+    def _lay(self) -> None:
+        place = self.verticalScrollBar().value()
+        self.document().clear()
+        self.setHtml(f"<body>{self._html}</body>")
+        self.verticalScrollBar().setValue(place)
+
+    def _clicked(self, url: QUrl) -> None:
+        if url.scheme() in LINKS:
+            self.asked.emit(url.scheme(), url.path())
+
+
+def _without_image(html: str, address: str) -> str:
+    before, found, after = html.partition(f'<img src="{address}"')
+    while found:
+        html = f"{before}<code>{escape(formula_text(address))}</code>{after.partition('/>')[2]}"
+        before, found, after = html.partition(f'<img src="{address}"')
+    return html
