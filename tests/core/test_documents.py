@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import sys
+import types
 from pathlib import Path
 
 import pytest
@@ -16,13 +18,14 @@ def test_the_python_guide_runs(
     monkeypatch.chdir(tmp_path)
     text = (ROOT / "docs" / "python-api.md").read_text("utf-8")
     blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
-    module: dict[str, object] = {"__name__": "guide"}
+    module = types.ModuleType("guide")
+    monkeypatch.setitem(sys.modules, "guide", module)
     from graphos_core import registry
 
     monkeypatch.setattr(registry, "_declared", dict(registry._declared))
     for block in blocks:
         code = compile(block, "docs/python-api.md", "exec")
-        run_block(code, module)
+        run_block(code, module.__dict__)
     assert "5 of 5 photos" in capsys.readouterr().out
 
 
