@@ -85,11 +85,16 @@ def adjust_block(
     system = ReducedSystem(problem, rules, run.threads)
     with system.working():
         solution = minimise(system, options.max_iterations, options.tolerance, run=run)
-        residuals, weights = residuals_of(problem, solution, rules)
-        if np.isnan(residuals).any():
-            return _without_hidden(problem, freedom, options, solution, residuals, run)
-        found = cofactors(system, solution.scene) if options.statistics else None
-    return _result(problem, solution, (residuals, weights), found, run)
+    misfit = residuals_of(problem, solution, rules)
+    if np.isnan(misfit[0]).any():
+        problem, solution = _without_hidden(problem, freedom, solution, misfit[0])
+        system = ReducedSystem(problem, rules, run.threads)
+        misfit = residuals_of(problem, solution, rules)
+    found = None
+    if options.statistics:
+        with system.working():
+            found = cofactors(system, solution.scene)
+    return _result(problem, solution, misfit, found, run)
 
 
 def residuals_of(problem: Problem, solution: Solution, rules: Rules) -> tuple[Array, Array]:
@@ -104,16 +109,16 @@ def residuals_of(problem: Problem, solution: Solution, rules: Rules) -> tuple[Ar
 
 
 def _without_hidden(
-    problem: Problem, freedom: Freedom, options: Options, solution: Solution, residuals: Array, run: Run
-) -> Adjustment:
-    """Adjust again without the observations that ended behind their cameras."""
+    problem: Problem, freedom: Freedom, solution: Solution, residuals: Array
+) -> tuple[Problem, Solution]:
+    """Drop the observations that ended behind their cameras; they had no weight, so the solution stays."""
     block, fixed = problem.to_block(solution.scene), problem.fixed_points
     keep: Array = np.asarray(np.isfinite(residuals).all(axis=1))
     keep[keep] = usable(replace(block, obs_photo=block.obs_photo[keep], obs_point=block.obs_point[keep],
                                 obs_xy=block.obs_xy[keep]), fixed)  # fmt: skip
     smaller, points = select(block, keep)
-    again = adjust_block(smaller, replace(freedom, fixed_points=fixed[points]), options, run=run)
-    return replace(again, iterations=(*solution.iterations, *again.iterations))
+    left = make_problem(smaller, replace(freedom, fixed_points=fixed[points]))
+    return left, replace(solution, scene=left.scene)
 
 
 def _result(

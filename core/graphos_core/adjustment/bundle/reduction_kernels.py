@@ -23,6 +23,8 @@ from graphos_core.adjustment.bundle.kernels import (
 from graphos_core.cameras.kernels import MAX_VALUES
 from graphos_core.data.record import Array
 
+ZERO, ONE, TWO, THREE = np.uint64(0), np.uint64(1), np.uint64(2), np.uint64(3)
+
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, inline="always")
 def point_block(ground: Array, misfit: Array, seen: Array, rays: int, v: Array, g: Array) -> None:
@@ -151,29 +153,35 @@ def _add_block(
     Of a block on the diagonal the upper triangle is added (and entries below it that nobody reads). Three columns
     stay in registers while the rows pass, which beats short loops along the rows.
     """
-    for b in range(0, size[1] - size[1] % 3, 3):
-        p0 = pair[0, place[1] + b]
-        p1 = pair[1, place[1] + b]
-        q0 = pair[0, place[1] + b + 1]
-        q1 = pair[1, place[1] + b + 1]
-        r0 = pair[0, place[1] + b + 2]
-        r1 = pair[1, place[1] + b + 2]
-        last = size[0] if row != col else b + 3
-        for a in range(last):
-            j0 = pair[0, place[0] + a]
-            j1 = pair[1, place[0] + a]
-            m0 = matrix[row + a, col + b] + (j0 * p0 + j1 * p1)
-            m1 = matrix[row + a, col + b + 1] + (j0 * q0 + j1 * q1)
-            m2 = matrix[row + a, col + b + 2] + (j0 * r0 + j1 * r1)
-            matrix[row + a, col + b] = m0
-            matrix[row + a, col + b + 1] = m1
-            matrix[row + a, col + b + 2] = m2
-    for b in range(size[1] - size[1] % 3, size[1]):
-        p0 = pair[0, place[1] + b]
-        p1 = pair[1, place[1] + b]
-        last = size[0] if row != col else b + 1
-        for a in range(last):
-            matrix[row + a, col + b] += pair[0, place[0] + a] * p0 + pair[1, place[0] + a] * p1
+    top = np.uint64(row)
+    left = np.uint64(col)
+    rows = np.uint64(size[0])
+    columns = np.uint64(size[1])
+    p = np.uint64(place[0])
+    q = np.uint64(place[1])
+    for g in range(columns // THREE):
+        b = g * THREE
+        c = left + b
+        p0 = pair[ZERO, q + b]
+        p1 = pair[ONE, q + b]
+        q0 = pair[ZERO, q + b + ONE]
+        q1 = pair[ONE, q + b + ONE]
+        r0 = pair[ZERO, q + b + TWO]
+        r1 = pair[ONE, q + b + TWO]
+        for a in range(rows if row != col else b + THREE):
+            j0 = pair[ZERO, p + a]
+            j1 = pair[ONE, p + a]
+            m0 = matrix[top + a, c] + (j0 * p0 + j1 * p1)
+            m1 = matrix[top + a, c + ONE] + (j0 * q0 + j1 * q1)
+            m2 = matrix[top + a, c + TWO] + (j0 * r0 + j1 * r1)
+            matrix[top + a, c] = m0
+            matrix[top + a, c + ONE] = m1
+            matrix[top + a, c + TWO] = m2
+    for rest in range(columns - columns % THREE, columns):
+        p0 = pair[ZERO, q + rest]
+        p1 = pair[ONE, q + rest]
+        for a in range(rows if row != col else rest + ONE):
+            matrix[top + a, left + rest] += pair[ZERO, p + a] * p0 + pair[ONE, p + a] * p1
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, inline="always")
@@ -205,50 +213,55 @@ def _add_reduced(
 def _subtract_point(
     matrix: Array, count: int, coupling: Array, column: Array, width: Array, inverse: Array, solved: Array
 ) -> None:
-    """Subtract ``W V⁻¹ Wᵀ`` of one point from the upper triangle of ``matrix``; ``solved`` (ROW, 3) is scratch.
+    """Subtract ``W V⁻¹ Wᵀ`` of ONE point from the upper triangle of ``matrix``; ``solved`` (ROW, 3) is scratch.
 
-    Three columns of W stay in registers while the rows pass: twice as fast as row by row.
+    Three columns of W stay in registers while the rows pass, and indices are unsigned (a signed one is tested for
+    being negative at each access): each makes this loop, the longest of all, much faster.
     """
-    for s in range(count):
-        first = column[s]
-        for a in range(width[s]):
-            w0 = coupling[s, a, 0]
-            w1 = coupling[s, a, 1]
-            w2 = coupling[s, a, 2]
-            solved[a, 0] = inverse[0, 0] * w0 + inverse[0, 1] * w1 + inverse[0, 2] * w2
-            solved[a, 1] = inverse[0, 1] * w0 + inverse[1, 1] * w1 + inverse[1, 2] * w2
-            solved[a, 2] = inverse[0, 2] * w0 + inverse[1, 2] * w1 + inverse[2, 2] * w2
-        for t in range(s, count):
-            whole = width[t] - width[t] % 3
-            for b in range(0, whole, 3):
-                col = column[t] + b
-                last = width[s] if s != t else b + 3
-                p0 = coupling[t, b, 0]
-                p1 = coupling[t, b, 1]
-                p2 = coupling[t, b, 2]
-                q0 = coupling[t, b + 1, 0]
-                q1 = coupling[t, b + 1, 1]
-                q2 = coupling[t, b + 1, 2]
-                r0 = coupling[t, b + 2, 0]
-                r1 = coupling[t, b + 2, 1]
-                r2 = coupling[t, b + 2, 2]
+    n = np.uint64(count)
+    for s in range(n):
+        first = np.uint64(column[s])
+        ws = np.uint64(width[s])
+        for a in range(ws):
+            w0 = coupling[s, a, ZERO]
+            w1 = coupling[s, a, ONE]
+            w2 = coupling[s, a, TWO]
+            solved[a, ZERO] = inverse[0, 0] * w0 + inverse[0, 1] * w1 + inverse[0, 2] * w2
+            solved[a, ONE] = inverse[0, 1] * w0 + inverse[1, 1] * w1 + inverse[1, 2] * w2
+            solved[a, TWO] = inverse[0, 2] * w0 + inverse[1, 2] * w1 + inverse[2, 2] * w2
+        for t in range(s, n):
+            wt = np.uint64(width[t])
+            ct = np.uint64(column[t])
+            for g in range(wt // THREE):
+                b = g * THREE
+                col = ct + b
+                last = ws if s != t else b + THREE
+                p0 = coupling[t, b, ZERO]
+                p1 = coupling[t, b, ONE]
+                p2 = coupling[t, b, TWO]
+                q0 = coupling[t, b + ONE, ZERO]
+                q1 = coupling[t, b + ONE, ONE]
+                q2 = coupling[t, b + ONE, TWO]
+                r0 = coupling[t, b + TWO, ZERO]
+                r1 = coupling[t, b + TWO, ONE]
+                r2 = coupling[t, b + TWO, TWO]
                 for a in range(last):
-                    y0 = solved[a, 0]
-                    y1 = solved[a, 1]
-                    y2 = solved[a, 2]
+                    y0 = solved[a, ZERO]
+                    y1 = solved[a, ONE]
+                    y2 = solved[a, TWO]
                     m0 = matrix[first + a, col] - (y0 * p0 + y1 * p1 + y2 * p2)
-                    m1 = matrix[first + a, col + 1] - (y0 * q0 + y1 * q1 + y2 * q2)
-                    m2 = matrix[first + a, col + 2] - (y0 * r0 + y1 * r1 + y2 * r2)
+                    m1 = matrix[first + a, col + ONE] - (y0 * q0 + y1 * q1 + y2 * q2)
+                    m2 = matrix[first + a, col + TWO] - (y0 * r0 + y1 * r1 + y2 * r2)
                     matrix[first + a, col] = m0
-                    matrix[first + a, col + 1] = m1
-                    matrix[first + a, col + 2] = m2
-            for b in range(whole, width[t]):
-                p0 = coupling[t, b, 0]
-                p1 = coupling[t, b, 1]
-                p2 = coupling[t, b, 2]
-                for a in range(width[s]):
-                    matrix[first + a, column[t] + b] -= (
-                        solved[a, 0] * p0 + solved[a, 1] * p1 + solved[a, 2] * p2
+                    matrix[first + a, col + ONE] = m1
+                    matrix[first + a, col + TWO] = m2
+            for rest in range(wt - wt % THREE, wt):
+                p0 = coupling[t, rest, ZERO]
+                p1 = coupling[t, rest, ONE]
+                p2 = coupling[t, rest, TWO]
+                for a in range(ws):
+                    matrix[first + a, ct + rest] -= (
+                        solved[a, ZERO] * p0 + solved[a, ONE] * p1 + solved[a, TWO] * p2
                     )
 
 
