@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -157,7 +158,7 @@ def _known(pipeline: Pipeline) -> Any:
     settings = pipeline.project.settings
     digests = []
     for path in sorted(pipeline.project.folder.glob("control*")) if settings.control else []:
-        digests.append([path.name, hashlib.sha256(path.read_bytes()).hexdigest()])
+        digests.append([path.name, file_digest(path)])
     return {"control": digests, "distance": settings.distance}
 
 
@@ -194,7 +195,19 @@ def _reference(pipeline: Pipeline) -> Any:
     if not path.is_file():
         raise UserError(Text("The reference {name} does not exist.", name=path.name),
                         todo="Choose the reference file again.")  # fmt: skip
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+    return file_digest(path)
+
+
+def file_digest(path: Path) -> str:
+    """Return the SHA-256 of a file; it is read again only when its size or time of change differ."""
+    found = path.stat()
+    return _digest(str(path), found.st_size, found.st_mtime_ns)
+
+
+@lru_cache(maxsize=64)
+def _digest(path: str, size: int, changed: int) -> str:
+    with Path(path).open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _features_line(found: Any) -> str:

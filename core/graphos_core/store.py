@@ -279,13 +279,20 @@ def _encode(value: Any, arrays: dict[str, np.ndarray[Any, Any]]) -> Any:
     raise TypeError(f"a result cannot hold a {type(value).__name__}")
 
 
+def _record_type(name: str) -> type[Any]:
+    """Return a record class by name; the modules that declare records are imported first."""
+    import graphos_core.results  # noqa: F401  (declares the records of the stages)
+
+    return RECORDS[name]
+
+
 def _decode(tree: Any, arrays: Mapping[str, Any]) -> Any:
     if not isinstance(tree, dict):
         return tree
     if "array" in tree:
         return arrays[tree["array"]]
     if "record" in tree:
-        return RECORDS[tree["record"]](**{k: _decode(v, arrays) for k, v in tree["fields"].items()})
+        return _record_type(tree["record"])(**{k: _decode(v, arrays) for k, v in tree["fields"].items()})
     if "tuple" in tree:
         return tuple(_decode(v, arrays) for v in tree["tuple"])
     if "dict" in tree:
