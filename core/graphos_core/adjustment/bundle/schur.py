@@ -22,6 +22,9 @@ SCALE_SIGMAS = 3.0
 
 MOST_ROUNDS = 15
 
+ROUGH_TOLERANCE = 1e-4
+"""Convergence limit of the rounds that only serve to find what is rejected next; the last adjustment is exact."""
+
 
 class BundleParams(Params):
     """Parameters of the bundle adjustment."""
@@ -131,13 +134,14 @@ def adjust(block: Block, params: BundleParams, *, run: Run) -> Adjustment:
         tolerance=params.tolerance,
         statistics=False,
     )
+    rough = replace(options, tolerance=max(params.tolerance, ROUGH_TOLERANCE))
     automatic = params.robust_scale_px is None
     start = adjust_block(block, freedom, replace(options, max_iterations=0))
     scale = params.robust_scale_px or SCALE_SIGMAS * _spread(start)
     rejected, trace = 0, start.iterations[:0]
     for done in range(MOST_ROUNDS):
         run.progress(done, MOST_ROUNDS, Text("rounds of adjustment"))
-        result = adjust_block(block, freedom, replace(options, scale_px=scale), run=run)
+        result = adjust_block(block, freedom, replace(rough, scale_px=scale), run=run)
         trace += result.iterations
         spread = _spread(result)
         wanted = SCALE_SIGMAS * spread if automatic else scale
