@@ -18,6 +18,7 @@ import numpy as np
 from graphos_core.data import Array, Block, Cloud, Features, PhotoSet
 from graphos_core.errors import ItemFailure, UserError
 from graphos_core.images import read_pixels
+from graphos_core.number_format import format_value
 from graphos_core.preprocessing.grey import eight_bit
 from graphos_core.registry import Stage
 from graphos_core.run import Run, each
@@ -210,9 +211,13 @@ def _digest(path: str, size: int, changed: int) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
+def _count(number: int) -> str:
+    return format_value(int(number))
+
+
 def _features_line(found: Any) -> str:
     good = sum(1 for pair in found.pairs if not pair.reason)
-    return Text("{pairs} pairs · {tracks} tracks", pairs=good, tracks=found.tracks.count)
+    return Text("{pairs} pairs · {tracks} tracks", pairs=_count(good), tracks=_count(found.tracks.count))
 
 
 def _adjustment_line(found: Any) -> str:
@@ -227,9 +232,9 @@ STEPS: dict[str, Step] = {
     step.name: step
     for step in (
         Step("images", "preprocessing", "", ("filter",), _images,
-             lambda v: Text("{n} photos filtered", n=len(v.files)) if v.files else Text("photos as they are")),
+             lambda v: Text("{n} photos filtered", n=_count(len(v.files))) if v.files else Text("photos as they are")),
         Step("keypoints", "features", "images", ("detector",), _keypoints,
-             lambda v: Text("{n} keypoints", n=sum(len(f.xy) for f in v))),
+             lambda v: Text("{n} keypoints", n=_count(sum(len(f.xy) for f in v)))),
         Step("matches", "features", "keypoints", ("matcher", "verification", "tracks"), _matches, _features_line,
              _cameras),
         Step("orientation", "adjustment", "matches", ("orientation",), _orientation,
@@ -237,10 +242,10 @@ STEPS: dict[str, Step] = {
         Step("adjustment", "adjustment", "orientation", ("bundle",), _adjustment,
              lambda v: Text("σ0 {s:.2f} px", s=v.sigma0_px)),
         Step("georeference", "adjustment", "adjustment", ("georeferencing",), _georeference, _adjustment_line, _known),
-        Step("depth", "dense", "georeference", ("depth",), _depth, lambda v: Text("{n} depth maps", n=len(v))),
-        Step("cloud", "dense", "depth", ("fusion",), _cloud, lambda v: Text("{n} points", n=len(v.points))),
+        Step("depth", "dense", "georeference", ("depth",), _depth, lambda v: Text("{n} depth maps", n=_count(len(v)))),
+        Step("cloud", "dense", "depth", ("fusion",), _cloud, lambda v: Text("{n} points", n=_count(len(v.points)))),
         Step("quality", "quality", "cloud", ("registration", "comparison"), _quality,
-             lambda v: Text("{n} points compared", n=len(v.comparison.distances)) if v.comparison
+             lambda v: Text("{n} points compared", n=_count(len(v.comparison.distances))) if v.comparison
              else Text("internal figures"), _reference),
     )
 }  # fmt: skip

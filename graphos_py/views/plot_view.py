@@ -257,10 +257,9 @@ class PlotView(QWidget):
         self.plot.setTitle(title or None, color=ink.name(), size=f"{self.font().pointSizeF() * 1.1:.1f}pt")
         for side in ("left", "bottom"):
             axis = self.plot.getAxis(side)
+            # the ranges first: switching it off computes the factor once more where the label is seen, and keeps it
+            axis.setSIPrefixEnableRanges(((0.0, 0.0),))
             axis.enableAutoSIPrefix(False)
-            axis.setSIPrefixEnableRanges(
-                ((0.0, 0.0),)
-            )  # switching it off alone keeps the factor of the last plot
             axis.setPen(ink)
             axis.setTextPen(ink)
             axis.setTickFont(self.font())

@@ -179,3 +179,18 @@ def test_a_plot_survives_a_change_of_theme_and_its_axis_keeps_its_unit(plot: Plo
         app.setStyleSheet("")
         app.setFont(old_font)
         app.setPalette(old_palette)
+
+
+def test_axis_values_below_one_are_true_in_every_plot_not_only_in_the_first(qtbot: QtBot) -> None:
+    view = PlotView()
+    qtbot.addWidget(view)
+    view.resize(500, 400)
+    view.show()
+    for _ in range(3):
+        view.show_lines(np.array([0.0, 0.2, 0.4]), {"a": np.array([0.1, 0.3, 0.2])}, "x", "y", "px", "px")
+        view.draw_now()
+        qtbot.wait(30)
+        for side in ("bottom", "left"):
+            axis = view.plot.getAxis(side)
+            values = [0.1, 0.2, 0.3]
+            assert axis.tickStrings(values, axis.autoSIPrefixScale * axis.scale, 0.1) == ["0.1", "0.2", "0.3"]
