@@ -166,7 +166,6 @@ def linearise(
         o = layout.start[i] + k
         n = layout.photo[o]
         c = layout.camera[n]
-        r = scene.rotations[n]
         px, py, pz = in_camera(scene, n, i)
         side = -1.0 if pz < 0.0 and not rules.guard else 1.0
         seen[k] = project(
@@ -184,19 +183,33 @@ def linearise(
         misfit[k, 0] = vx * root
         misfit[k, 1] = vy * root
         pose = layout.pose[n]
+        free = layout.free_count[c]
+        r00 = scene.rotations[n, 0, 0]
+        r01 = scene.rotations[n, 0, 1]
+        r02 = scene.rotations[n, 0, 2]
+        r10 = scene.rotations[n, 1, 0]
+        r11 = scene.rotations[n, 1, 1]
+        r12 = scene.rotations[n, 1, 2]
+        r20 = scene.rotations[n, 2, 0]
+        r21 = scene.rotations[n, 2, 1]
+        r22 = scene.rotations[n, 2, 2]
         for a in range(2):
             s0 = slope[a, 0] * turn
             s1 = slope[a, 1] * turn
             s2 = slope[a, 2] * turn
-            for b in range(3):
-                ground[k, a, b] = s0 * r[0, b] + s1 * r[1, b] + s2 * r[2, b]
+            j0 = s0 * r00 + s1 * r10 + s2 * r20
+            j1 = s0 * r01 + s1 * r11 + s2 * r21
+            j2 = s0 * r02 + s1 * r12 + s2 * r22
+            ground[k, a, 0] = j0
+            ground[k, a, 1] = j1
+            ground[k, a, 2] = j2
             if pose > 0:
                 rows[k, a, 0] = s2 * py - s1 * pz
                 rows[k, a, 1] = s0 * pz - s2 * px
                 rows[k, a, 2] = s1 * px - s0 * py
-                rows[k, a, 3] = -ground[k, a, 0]
-                rows[k, a, 4] = -ground[k, a, 1]
-                rows[k, a, 5] = -ground[k, a, 2]
-            for b in range(layout.free_count[c]):
+                rows[k, a, 3] = -j0
+                rows[k, a, 4] = -j1
+                rows[k, a, 5] = -j2
+            for b in range(free):
                 rows[k, a, pose + b] = inner[a, layout.free_index[c, b]] * root
     return count, cost

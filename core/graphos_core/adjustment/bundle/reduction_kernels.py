@@ -146,31 +146,32 @@ def gather(
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, inline="always")
 def _add_block(
-    matrix: Array, row: int, col: int, pair: Array, place: tuple[int, int], size: tuple[int, int]
+    matrix: Array, row: int, col: int, rows: Array, k: int, place: tuple[int, int], size: tuple[int, int]
 ) -> None:
-    """Add ``A B`` to a block of ``matrix``, A and B the parts of ``pair`` (2, ROW) from ``place`` with ``size``.
+    """Add ``A B`` to a block of ``matrix``, A and B the parts of ``rows[k]`` (2, ROW) from ``place`` with ``size``.
 
     Of a block on the diagonal the upper triangle is added (and entries below it that nobody reads). Three columns
     stay in registers while the rows pass, which beats short loops along the rows.
     """
+    o = np.uint64(k)
     top = np.uint64(row)
     left = np.uint64(col)
-    rows = np.uint64(size[0])
+    height = np.uint64(size[0])
     columns = np.uint64(size[1])
     p = np.uint64(place[0])
     q = np.uint64(place[1])
     for g in range(columns // THREE):
         b = g * THREE
         c = left + b
-        p0 = pair[ZERO, q + b]
-        p1 = pair[ONE, q + b]
-        q0 = pair[ZERO, q + b + ONE]
-        q1 = pair[ONE, q + b + ONE]
-        r0 = pair[ZERO, q + b + TWO]
-        r1 = pair[ONE, q + b + TWO]
-        for a in range(rows if row != col else b + THREE):
-            j0 = pair[ZERO, p + a]
-            j1 = pair[ONE, p + a]
+        p0 = rows[o, ZERO, q + b]
+        p1 = rows[o, ONE, q + b]
+        q0 = rows[o, ZERO, q + b + ONE]
+        q1 = rows[o, ONE, q + b + ONE]
+        r0 = rows[o, ZERO, q + b + TWO]
+        r1 = rows[o, ONE, q + b + TWO]
+        for a in range(height if row != col else b + THREE):
+            j0 = rows[o, ZERO, p + a]
+            j1 = rows[o, ONE, p + a]
             m0 = matrix[top + a, c] + (j0 * p0 + j1 * p1)
             m1 = matrix[top + a, c + ONE] + (j0 * q0 + j1 * q1)
             m2 = matrix[top + a, c + TWO] + (j0 * r0 + j1 * r1)
@@ -178,10 +179,10 @@ def _add_block(
             matrix[top + a, c + ONE] = m1
             matrix[top + a, c + TWO] = m2
     for rest in range(columns - columns % THREE, columns):
-        p0 = pair[ZERO, q + rest]
-        p1 = pair[ONE, q + rest]
-        for a in range(rows if row != col else rest + ONE):
-            matrix[top + a, left + rest] += pair[ZERO, p + a] * p0 + pair[ONE, p + a] * p1
+        p0 = rows[o, ZERO, q + rest]
+        p1 = rows[o, ONE, q + rest]
+        for a in range(height if row != col else rest + ONE):
+            matrix[top + a, left + rest] += rows[o, ZERO, p + a] * p0 + rows[o, ONE, p + a] * p1
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, inline="always")
@@ -198,15 +199,14 @@ def _add_reduced(
         col = layout.photo_column[n]
         shared = layout.camera_column[c]
         free = layout.free_count[c] if shared >= 0 else 0
-        pair = rows[k]
-        _add_block(matrix, col, col, pair, (0, 0), (w, w))
+        _add_block(matrix, col, col, rows, k, (0, 0), (w, w))
         if free > 0:
-            _add_block(matrix, col, shared, pair, (0, w), (w, free))
-            _add_block(matrix, shared, shared, pair, (w, w), (free, free))
+            _add_block(matrix, col, shared, rows, k, (0, w), (w, free))
+            _add_block(matrix, shared, shared, rows, k, (w, w), (free, free))
         for a in range(w + free):
             place = col + a if a < w else shared + a - w
-            vectors[0, place] += pair[0, a] * misfit[k, 0] + pair[1, a] * misfit[k, 1]
-            vectors[2, place] += pair[0, a] * pair[0, a] + pair[1, a] * pair[1, a]
+            vectors[0, place] += rows[k, 0, a] * misfit[k, 0] + rows[k, 1, a] * misfit[k, 1]
+            vectors[2, place] += rows[k, 0, a] * rows[k, 0, a] + rows[k, 1, a] * rows[k, 1, a]
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, inline="always")
