@@ -15,7 +15,6 @@ from graphos_core import __version__
 from graphos_core.data import PhotoSet
 from graphos_core.errors import UserError
 from graphos_core.pipeline import Pipeline
-from graphos_core.project import FILE as PROJECT_FILE
 from graphos_core.project import Project
 from graphos_core.run import Run
 from graphos_core.simulation.photo_block import simulate_photos
@@ -88,7 +87,7 @@ class LabSession:
                 block["template"], self.simulation, width=block["width"], height=block["height"],
                 photos=block["photos"], seed=self.seed, run=run,
             )  # fmt: skip
-        if not (self.project_folder / PROJECT_FILE).exists():
+        if not (self.project_folder / "project.toml").exists():
             control = self.simulation / "control.csv"
             Project.create(
                 self.project_folder, self.simulation / "photos", name=f"{self.lab.title} ({self.student})", run=run,

@@ -123,7 +123,7 @@ def read_lesson(name: str, source: str) -> Lesson:
     try:
         if head is None:
             raise ValueError("it does not begin with +++")
-        about = tomllib.loads(head[1])
+        about = tomllib.loads(f"\n{head[1]}\n")  # so that lines are counted as in the file
         trials = tuple(Trial(str(t["what"]), dict(t["values"])) for t in about.get("try", ()))
         plain = {k: str(about.get(k, "")) for k in ("algorithm", "simulator", "formula", "fails")}
         return Lesson(name, str(about["title"]), source[head.end() :].strip() + "\n", trials=trials, **plain)

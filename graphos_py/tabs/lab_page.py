@@ -28,15 +28,6 @@ from graphos_py.tabs.lab_step import LabStep
 from graphos_py.theme import theme
 from graphos_py.translation import tr
 
-KINDS = {
-    "read": "read",
-    "predict": "predict",
-    "do": "do",
-    "measure": "measure",
-    "compare": "compare",
-    "explain": "explain",
-}
-
 
 class LabPage(QWidget):
     """Plays one lab.
@@ -71,6 +62,7 @@ class LabPage(QWidget):
         self.steps = QListWidget()
         self.steps.setAccessibleName(tr("Steps of the lab"))
         self.steps.setWordWrap(True)
+        self.steps.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.steps.setFixedWidth(theme().px(250))
         self.steps.setIconSize(QSize(18, 18))
         self.step = LabStep(session)
@@ -160,7 +152,7 @@ class LabPage(QWidget):
     def _connect(self) -> None:
         self.start.started.connect(self.play)
         self.steps.currentRowChanged.connect(self._chosen)
-        self.step.judged.connect(self._judged)
+        self.step.judged.connect(self._update)
         self.step.next_asked.connect(self.go_on)
         self.step.lesson_asked.connect(self.lesson_asked)
         self.step.simulator_asked.connect(self.simulator_asked)
@@ -202,9 +194,6 @@ class LabPage(QWidget):
         if row >= 0 and row != self.shown:
             self.show_step(row)
 
-    def _judged(self) -> None:
-        self._update()
-
     def where(self) -> str:
         """Return where one is and what is next."""
         total = len(self.lab.steps)
@@ -237,7 +226,7 @@ class LabPage(QWidget):
             elif i == student.current:
                 symbol, colour, state = "next", "accent", tr("next")
             item = QListWidgetItem(icon(symbol, colour), f"{i + 1}  {tr(step.title)}")
-            item.setToolTip(f"{tr(KINDS[step.kind])} · {state}")
+            item.setToolTip(f"{tr(step.kind)} · {state}")
             item.setData(Qt.ItemDataRole.AccessibleTextRole, f"{i + 1} {tr(step.title)}: {state}")
             self.steps.addItem(item)
         self.steps.setCurrentRow(self.shown)

@@ -93,7 +93,7 @@ class LabStep(QWidget):
         column.setSpacing(8)
         for label in (self.title, self.kind):
             column.addWidget(label)
-        column.addWidget(self.text, 1)
+        column.addWidget(self.text)
         helps = QHBoxLayout()
         for button in (self.open_button, self.go_button, self.lesson_button, self.play_button):
             helps.addWidget(button)
@@ -109,8 +109,10 @@ class LabStep(QWidget):
         for label in (self.result, self.hint_text):
             label.setWordWrap(True)
             column.addWidget(label)
+        column.addStretch(1)
 
     def _connect(self) -> None:
+        self.text.document().documentLayout().documentSizeChanged.connect(self._fit_text)
         self.text.asked.connect(lambda kind, name: self._help(kind, name))
         self.number.textEdited.connect(self._edited)
         self.number.returnPressed.connect(self.check)
@@ -290,6 +292,12 @@ class LabStep(QWidget):
         if waits and pipeline is not None and pipeline.state(step.stage).status == "done":  # type: ignore[arg-type]
             self._refresh()
             self.check()
+
+    def _fit_text(self) -> None:
+        """Make the text no higher than it is, so that the answer stands right below it."""
+        self.text.setFixedHeight(
+            max(60, min(self.text.height_of_text(), round(0.6 * max(self.height(), 400))))
+        )
 
     def _edited(self) -> None:
         self._typed.start()

@@ -186,7 +186,7 @@ class LearnTab(QWidget):
         self.open("welcome", "")
 
     def _show(self, page: QWidget) -> None:
-        before = self.stack.currentWidget()
+        before: QWidget = self.stack.currentWidget() or self.welcome
         if self.stack.indexOf(page) < 0:
             self.stack.addWidget(page)
         self.stack.setCurrentWidget(page)

@@ -88,7 +88,7 @@ class EntryDelegate(QStyledItemDelegate):
     def sizeHint(self, option: QStyleOptionViewItem, index: QModelIndex | QPersistentModelIndex) -> QSize:
         """Return the height of two lines, or of a heading."""
         entry: Entry = index.data(ENTRY)
-        line = option.fontMetrics.height()  # type: ignore[attr-defined]
+        line = option.fontMetrics.height()
         if entry.kind:
             return QSize(100, round(2.1 * line) + 10)
         return QSize(100, line + (22 if entry.text == "group" else 12))

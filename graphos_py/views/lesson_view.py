@@ -11,9 +11,8 @@ from functools import cache
 from html import escape
 from typing import Any
 
-from PySide6.QtCore import QByteArray, QRectF, QTimer, QUrl, Signal, Slot
-from PySide6.QtGui import QImage, QPainter, QResizeEvent, QTextDocument
-from PySide6.QtSvg import QSvgRenderer
+from PySide6.QtCore import QTimer, QUrl, Signal, Slot
+from PySide6.QtGui import QFont, QImage, QPainter, QResizeEvent, QTextDocument
 from PySide6.QtWidgets import QTextBrowser, QWidget
 
 from graphos_core.run import Run
@@ -24,6 +23,8 @@ from graphos_py.theme import theme
 
 PICTURE = (1080, 620)
 LINKS = ("lesson", "simulator")
+LARGER = 1.12
+"""The letters of formulas are smaller than those of the text at the same number of points."""
 
 
 @cache
@@ -44,8 +45,8 @@ def _formula(text: str, options: dict[str, Any]) -> str:
 
 def to_html(markdown: str) -> str:
     """Return the HTML of a Markdown text; formulas are images with the address ``formula:``."""
-    html = str(parser().render(markdown))
-    return html.replace("<table>", '<table border="1" cellspacing="0" cellpadding="6" width="100%">').replace(
+    html = str(parser().render(markdown)).replace('<div class="math block">', '<div align="center">')
+    return html.replace("<table>", '<table border="0" cellspacing="0" cellpadding="6" width="100%">').replace(
         "<eqn>", "<p align='center'>"
     )
 
@@ -85,7 +86,7 @@ class LessonView(QTextBrowser):
         self._markdown = ""
         self._html = ""
         self._images: dict[str, QImage] = {}
-        self._svgs: dict[str, bytes] = {}
+        self._scenes: dict[str, Any] = {}
         self._current: set[Job] = set()
         self.setOpenLinks(False)
         self.setOpenExternalLinks(False)
@@ -107,9 +108,13 @@ class LessonView(QTextBrowser):
     def show_markdown(self, text: str) -> None:
         """Show a text; ``picture:ROOM/NAME#PRESET`` is the picture of a simulator."""
         self._markdown = text
-        self._svgs.clear()
+        self._scenes.clear()
         self._draw()
         self.verticalScrollBar().setValue(0)
+
+    def height_of_text(self) -> int:
+        """Return the height at which nothing has to be scrolled."""
+        return round(self.document().size().height()) + 2 * self.frameWidth() + 4
 
     def loadResource(self, kind: int, name: QUrl | str) -> Any:
         """Return what was drawn; nothing is ever read from a file or the network."""
@@ -120,14 +125,14 @@ class LessonView(QTextBrowser):
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Fit the pictures to the width."""
         super().resizeEvent(event)
-        if self._svgs:
+        if self._scenes:
             self._refit.start()
 
     # ---------------------------------------------------------------------------------------------- drawing
 
     def _dress(self) -> None:
         if self._markdown:
-            self._svgs.clear()
+            self._scenes.clear()
             self._draw()
 
     def _draw(self) -> None:
@@ -141,7 +146,7 @@ class LessonView(QTextBrowser):
         self.document().setDefaultStyleSheet(
             f"body, p, li, td, th {{ color: {text}; line-height: 140%; }} a {{ color: {accent}; }}"
             f"p {{ margin-top: 6px; margin-bottom: 8px; }} em {{ color: {muted}; }}"
-            f"table {{ border-collapse: collapse; border-color: {border}; margin: 8px 0; }}"
+            f"td, th {{ border-bottom: 1px solid {border}; line-height: 115%; }}"
             f"h1 {{ font-size: {look.points('title')}pt; }} h2 {{ font-size: {look.points('heading')}pt; }}"
             f"th {{ text-align: left; color: {muted}; }}"
         )
@@ -160,22 +165,23 @@ class LessonView(QTextBrowser):
     def _over(self) -> None:
         job = self.sender()
         if job in self._current:
-            self._current.discard(job)  # type: ignore[arg-type]
+            self._current.discard(job)
             if not self._current:
                 self.drawn.emit()
 
     def _draw_formulas(self) -> Job | None:
         wanted = formulas_in(self._html)
         colour, ratio = theme().colour("text").name(), self.devicePixelRatioF()
-        points = {"d": theme().points("heading"), "i": theme().points("body")}
+        points = {"d": theme().points("heading") * LARGER, "i": theme().points("body") * LARGER}
 
         def work(run: Run) -> dict[str, QImage]:
             found = {}
             for address in wanted:
                 run.check()
-                found[address] = formula_image(
-                    formula_text(address), colour, points[address.partition(":")[2][0]], ratio
-                )
+                size, text = address.partition(":")[2][0], formula_text(address)
+                if size == "d":
+                    text = text.replace(r"\frac", r"\dfrac")
+                found[address] = formula_image(text, colour, points[size], ratio)
             return found
 
         return Job(work, name="formulas", engine=False) if wanted else None
@@ -193,10 +199,8 @@ class LessonView(QTextBrowser):
     def _draw_pictures(self) -> Job | None:
         parts = self._html.split('src="picture:')[1:]
         wanted = ["picture:" + part.partition('"')[0] for part in parts]
-        name = theme().name
 
-        def work(run: Run) -> dict[str, bytes]:
-            from graphos_didactic.scene_drawing import Look
+        def work(run: Run) -> dict[str, Any]:
             from graphos_didactic.scene_svg import scene_svg
             from graphos_didactic.simulator import find_simulator
 
@@ -205,34 +209,32 @@ class LessonView(QTextBrowser):
                 run.check()
                 key, _, preset = address.partition(":")[2].partition("#")
                 simulator = find_simulator(key)
-                params = simulator.preset(preset) if preset else simulator.params()
-                look = Look(theme=name, font=15.0)
-                svg = scene_svg(simulator.scene(params), width=PICTURE[0], height=PICTURE[1], look=look)
-                found[address] = svg.encode()
+                found[address] = simulator.scene(simulator.preset(preset) if preset else simulator.params())
+                scene_svg(found[address])  # sets the formulas here, so that the window need not wait for them
             return found
 
         return Job(work, name="pictures", engine=False) if wanted else None
 
     @Slot(object)
-    def _pictures_drawn(self, svgs: dict[str, bytes]) -> None:
-        if self.sender() not in self._current:
-            return
-        self._svgs = svgs
-        self._place_pictures()
+    def _pictures_drawn(self, scenes: dict[str, Any]) -> None:
+        if self.sender() in self._current:
+            self._scenes = scenes
+            self._place_pictures()
 
     def _place_pictures(self) -> None:
+        from graphos_didactic.scene_drawing import Look, draw, for_print
+        from graphos_py.views.scene_canvas import QtCanvas
+
         width = max(240, min(PICTURE[0], self.viewport().width() - 48))
+        size = max(9.0, theme().points() * self.logicalDpiY() / 72.0 * width / PICTURE[0])
+        look = for_print(Look(theme=theme().name, font=size))
         height = round(width * PICTURE[1] / PICTURE[0])
         ratio = self.devicePixelRatioF()
-        for address, svg in self._svgs.items():
-            image = QImage(
-                round(width * ratio), round(height * ratio), QImage.Format.Format_ARGB32_Premultiplied
-            )
+        for address, scene in self._scenes.items():
+            image = QImage(round(width * ratio), round(height * ratio), QImage.Format.Format_RGB32)
             image.setDevicePixelRatio(ratio)
-            image.fill(theme().colour("base"))
             painter = QPainter(image)
-            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            QSvgRenderer(QByteArray(svg)).render(painter, QRectF(0, 0, width, height))
+            draw(scene, QtCanvas(painter, QFont(self.font())), width, height, look)
             painter.end()
             self._images[address] = image
         self._lay()
