@@ -28,6 +28,7 @@ def report_html(report: dict[str, Any], pipeline: Pipeline) -> str:
     """Return the page for a report from `graphos_core.report.build_report`."""
     template = resources.files("graphos_resources").joinpath("report/report.html.j2").read_text("utf-8")
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
+    environment.filters["number"] = format_value
     report = {"quality": None, "orientation": None, "dense": None, "georeferencing": None} | report
     return environment.from_string(template).render(
         r=report,

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 
 from graphos_core.data import Array, Block
+from graphos_core.number_format import format_value
 from graphos_core.pipeline import Pipeline
 from graphos_core.text import Text
 
@@ -25,7 +26,9 @@ def report_pictures(pipeline: Pipeline) -> dict[str, str]:
         points, colours = block.points, block.colours
         if dense is not None and len(dense.cloud.points):
             points, colours = dense.cloud.points, dense.cloud.colours
-        pictures["model"] = _jpeg(model_picture(block, points, colours))
+        pictures["model"] = _jpeg(
+            model_picture(block, points, colours, upward(block, adjusted.georeference.method))
+        )
         what = "dense cloud" if dense is not None else "object points"
         pictures["model_caption"] = Text(
             "{n} points of the {what}, and the cameras.", n=len(points), what=what
@@ -40,7 +43,9 @@ def report_pictures(pipeline: Pipeline) -> dict[str, str]:
     return pictures
 
 
-def model_picture(block: Block, points: Array, colours: Array, width: int = 1400, height: int = 800) -> Array:
+def model_picture(
+    block: Block, points: Array, colours: Array, up: Array, width: int = 1400, height: int = 800
+) -> Array:
     """Draw the cloud from above and beside the mean viewing direction, with camera pyramids; uint8 (h, w, 3)."""
     from graphos_core.rendering import Lines, ViewCamera, camera_pyramids, render_cloud
 
@@ -50,15 +55,23 @@ def model_picture(block: Block, points: Array, colours: Array, width: int = 1400
     kept = ((points > low - 0.5 * (high - low)) & (points < high + 0.5 * (high - low))).all(axis=1)
     points, colours = points[kept], colours[kept]
     forward = rotations[:, 2].mean(axis=0)
-    up = -rotations[:, 1].mean(axis=0)
     sideways = np.cross(forward, up)
-    view = ViewCamera.looking(forward + 0.5 * sideways - 0.3 * up, up=up / np.linalg.norm(up))
+    view = ViewCamera.looking(forward + 0.5 * sideways - 0.3 * up, up=up)
     size = 0.12 * float(np.linalg.norm(high - low))
     starts, ends, _ = camera_pyramids(rotations, centres, cameras, size)
     colour = np.tile(np.array([11, 107, 203], np.uint8), (starts.shape[0] * 8, 1))
     lines = Lines(starts.reshape(-1, 3), ends.reshape(-1, 3), colour)
     view = view.fitted(np.vstack([points[:: max(1, len(points) // 20000)], centres]), width, height)
     return render_cloud(points, colours, view, width, height, lines=[lines])
+
+
+def upward(block: Block, method: str) -> Array:
+    """Return the upward direction (3,): z where control points placed the block, else the one most photos call up."""
+    if method == "control points":
+        return np.array([0.0, 0.0, 1.0])
+    ups = -block.rotations[block.oriented, 1]
+    votes = np.clip(ups @ ups.T, 0.0, None).sum(axis=1)
+    return np.asarray(ups[np.argmax(votes)])
 
 
 def _jpeg(image: Array) -> str:
@@ -77,7 +90,9 @@ def _histogram(values: Array, label: str, unit: str) -> str:
     edges = np.linspace(centre - 5 * spread, centre + 5 * spread, 101)
     figure = Figure(figsize=(9, 2.8), layout="constrained")
     axes: Any = figure.subplots()
-    counts, _, _ = axes.hist(values, edges, color=ACCENT, alpha=0.75, label=f"{len(values)} values")
+    counts, _, _ = axes.hist(
+        values, edges, color=ACCENT, alpha=0.75, label=f"{format_value(len(values))} values"
+    )
     middle = 0.5 * (edges[1:] + edges[:-1])
     normal = np.exp(-0.5 * ((middle - centre) / spread) ** 2)
     normal *= counts.sum() / max(normal.sum(), 1e-300)

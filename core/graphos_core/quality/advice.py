@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -12,7 +13,9 @@ from graphos_core.quality.internal import image_coverage
 from graphos_core.text import Text
 
 
-def advice(figures: Mapping[str, Mapping[str, Any]], adjustment: Adjustment) -> tuple[Text, ...]:
+def advice(
+    figures: Mapping[str, Mapping[str, Any]], adjustment: Adjustment, check_rms_m: float = math.nan
+) -> tuple[Text, ...]:
     """Return sentences about what is weak, the weightiest first; a single confirming one when nothing is.
 
     Parameters
@@ -20,18 +23,26 @@ def advice(figures: Mapping[str, Mapping[str, Any]], adjustment: Adjustment) -> 
     figures : mapping
         From `graphos_core.quality.internal.internal_figures`.
     adjustment : Adjustment
+    check_rms_m : float
+        RMS per coordinate over the check points, m; NaN where there are none.
     """
     found = [
         *_about_orientation(figures, adjustment),
         *_about_geometry(figures, adjustment),
         *_about_scale(figures, adjustment),
     ]
-    return tuple(found) or (
-        Text(
-            "Residuals, rays, intersection angles and coverage are all in the usual range. Independent check points "
-            "would show the accuracy; these figures show only the precision."
-        ),
-    )
+    if not found:
+        found.append(Text("Residuals, rays, intersection angles and coverage are all in the usual range."))
+    return (*found, _about_accuracy(check_rms_m))
+
+
+def _about_accuracy(check_rms_m: float) -> Text:
+    if math.isfinite(check_rms_m):
+        return Text(
+            "Check points took no part and show the accuracy: {rms:.2f} mm RMS per coordinate.",
+            rms=1000.0 * check_rms_m,
+        )
+    return Text("These figures show only the precision; independent check points would show the accuracy.")
 
 
 def _value(figures: Mapping[str, Mapping[str, Any]], name: str) -> float:

@@ -37,7 +37,7 @@ def assess(pipeline: Any, run: Run) -> QualityResult:
     cloud: Cloud = pipeline.value("cloud")
     run.progress(0, 3, "quality figures")
     figures = internal_figures(oriented.adjustment, cloud, pipeline.value("matches").pairs)
-    sentences: tuple[str, ...] = advice(figures, oriented.adjustment)
+    sentences: tuple[str, ...] = advice(figures, oriented.adjustment, oriented.georeference.check_rms_m)
     run.progress(1, 3, "quality figures")
     comparison = None
     path = pipeline.project.reference_path()
