@@ -146,7 +146,7 @@ def _control(found: dict[str, Any] | None) -> dict[str, Any] | None:
         "line": line,
         "rows": [
             {"name": p["name"], "role": "check" if p["check"] else "control",
-             "cells": [f"{1000 * v:.2f}" if v is not None else "–" for v in p["residual_m"]]}
+             "cells": [_millimetres(v) for v in p["residual_m"]]}
             for p in found["points"]
         ],
     }  # fmt: skip
@@ -162,3 +162,7 @@ def _times(report: dict[str, Any]) -> list[dict[str, str]]:
             "value": "not told by this system" if memory is None else f"{memory:.0f} MB",
         },
     ]
+
+
+def _millimetres(metres: float | None) -> str:
+    return "–" if metres is None else f"{1000 * metres:.2f}".replace("-", "−")

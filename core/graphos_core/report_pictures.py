@@ -31,7 +31,7 @@ def report_pictures(pipeline: Pipeline) -> dict[str, str]:
         )
         what = "dense cloud" if dense is not None else "object points"
         pictures["model_caption"] = Text(
-            "{n} points of the {what}, and the cameras.", n=len(points), what=what
+            "{n} points of the {what}, and the cameras.", n=format_value(len(points)), what=what
         )
         pictures["residuals"] = _histogram(
             adjusted.adjustment.residuals.ravel(), "image residual per coordinate", "px"
