@@ -213,13 +213,14 @@ def _free_parameters(block: Block, freedom: Freedom) -> tuple[Array, Array]:
     free_count = np.zeros(len(block.cameras), dtype=np.int64)
     for c, names in enumerate(freedom.interior):
         model = camera_model(block.cameras[c].model)
-        unknown = [name for name in names if name not in model.names]
+        known = model.names
+        unknown = [name for name in names if name not in known]
         if unknown:
             raise UserError(
                 f"The camera model “{model.label}” has no parameter {', '.join(unknown)}.",
-                todo=f"Free some of: {', '.join(model.names)}.",
+                todo=f"Free some of: {', '.join(known)}.",
             )
-        index = sorted(model.index(name) for name in set(names))
+        index = sorted(known.index(name) for name in set(names))
         free_index[c, : len(index)] = index
         free_count[c] = len(index)
     return free_index, free_count
@@ -229,7 +230,7 @@ def _chunks(start: Array, unknowns: int) -> tuple[tuple[int, int, int], ...]:
     """Cut the points into chunks of equal work; how many depends on the size of the block, not on threads."""
     rays = np.diff(start)
     work = np.cumsum(rays.astype(np.float64) * (rays + 8))
-    most = 8 if unknowns <= 150 else 4 if unknowns <= 1500 else 2
+    most = 8 if unknowns <= 150 else 4 if unknowns <= 300 else 2  # every chunk has a matrix of its own
     count = int(np.clip(work[-1] / 20000.0, 1, most))
     cuts = np.searchsorted(work, work[-1] * np.arange(1, count) / count)
     edges = [0, *(int(cut) for cut in cuts), len(rays)]
