@@ -120,8 +120,8 @@ def _check_compare(figure: Figure) -> Outcome:
     difference = figure.value - figure.truth
     ratio = abs(difference) / figure.sigma if figure.sigma > 0 else (0.0 if difference == 0 else float("inf"))
     text = Text(
-        "{label}: estimated {v:.6g}, true {t:.6g} {unit}; error {d:+.3g} {unit} = {r:.1f} σ",
-        label=figure.label, v=figure.value, t=figure.truth, unit=figure.unit, d=difference, r=ratio,
+        "{label}: estimated {v:.6g}{unit}, true {t:.6g}{unit}; error {d:+.3g}{unit} = {r:.1f} σ",
+        label=figure.label, v=figure.value, t=figure.truth, unit=f" {figure.unit}".rstrip(), d=difference, r=ratio,
     )  # fmt: skip
     return Outcome(ratio <= 3.0, text)
 
@@ -136,4 +136,4 @@ def _key_line(figure: Figure | None) -> str:
         return "not computed yet"
     sigma = f" ± {figure.sigma:.2g}" if figure.sigma > 0 else ""
     truth = f"; truth {figure.truth:.6g}" if figure.truth is not None else ""
-    return f"{figure.value:.6g}{sigma} {figure.unit}{truth}"
+    return f"{figure.value:.6g}{sigma} {figure.unit}".rstrip() + truth

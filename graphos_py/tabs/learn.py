@@ -8,12 +8,24 @@ from typing import Any
 import cv2
 from PySide6.QtCore import QEvent, QObject, Qt, Slot
 from PySide6.QtGui import QShortcut, QShowEvent
-from PySide6.QtWidgets import QHBoxLayout, QMainWindow, QPushButton, QStackedWidget, QToolBar, QWidget
+from PySide6.QtWidgets import (
+    QFileDialog,
+    QHBoxLayout,
+    QMainWindow,
+    QPushButton,
+    QStackedWidget,
+    QToolBar,
+    QVBoxLayout,
+    QWidget,
+)
 
 from graphos_core.errors import UserError
 from graphos_core.params import Level
 from graphos_core.registry import STAGES
 from graphos_core.run import Run
+from graphos_core.text import Text
+from graphos_py.dialogs import documents
+from graphos_py.icons import bind_icon
 from graphos_py.jobs import Job
 from graphos_py.pixels import read_upright
 from graphos_py.session import STAGE_LABELS, Session, load_engine
@@ -80,7 +92,15 @@ class LearnTab(QWidget):
         row = QHBoxLayout(self)
         row.setContentsMargins(8, 8, 8, 8)
         row.setSpacing(8)
-        row.addWidget(self.list)
+        left = QVBoxLayout()
+        left.setSpacing(8)
+        left.addWidget(self.list, 1)
+        self.own_lab = QPushButton(tr("Open a lab of your own …"))
+        self.own_lab.setToolTip(tr("A lab is a folder with lab.toml, written by your instructor."))
+        bind_icon(self.own_lab, "open")
+        self.own_lab.clicked.connect(self._choose_lab)
+        left.addWidget(self.own_lab)
+        row.addLayout(left)
         row.addWidget(self.stack, 1)
         self.list.asked.connect(self.open)
         self.welcome.asked.connect(self.open)
@@ -110,7 +130,7 @@ class LearnTab(QWidget):
         self.open("lesson", name)
 
     def open_lab(self, name: str) -> None:
-        """Open a lab by name."""
+        """Open a lab by name, or an instructor's by the path of its folder."""
         self.open("lab", name)
 
     def open(self, kind: str, name: str) -> None:
@@ -122,7 +142,7 @@ class LearnTab(QWidget):
             page = self._make(kind, name)
         except UserError as problem:
             self.session.tell(problem)
-            self.welcome.say(str(problem))
+            self.welcome.say(" ".join(tr(p) for p in (problem.what, problem.why, problem.todo) if p))
             page = self.welcome
         self._show(page)
         self.list.mark(kind, name)
@@ -161,13 +181,17 @@ class LearnTab(QWidget):
         return page
 
     def _lab(self, name: str) -> QWidget:
-        from graphos_didactic.labs import labs
+        from graphos_didactic.labs import labs, read_lab_folder
         from graphos_py.tabs.lab_page import LabPage
 
         if name not in self._labs:
-            if name not in labs():
-                raise UserError(tr("There is no lab “{name}”.", name=name))
-            page = LabPage(self.session, labs()[name])
+            if name in labs():
+                lab = labs()[name]
+            elif Path(name).is_absolute():
+                lab = read_lab_folder(Path(name))
+            else:
+                raise UserError(Text("There is no lab “{name}”.", name=name))
+            page = LabPage(self.session, lab)
             page.left.connect(self.leave)
             page.lesson_asked.connect(self.open_lesson)
             page.simulator_asked.connect(self.open_simulator)
@@ -178,6 +202,11 @@ class LearnTab(QWidget):
         page = self._labs[name]
         assert isinstance(page, LabPage)
         return page
+
+    def _choose_lab(self) -> None:
+        chosen = QFileDialog.getExistingDirectory(self, tr("Folder of the lab"), str(documents()))
+        if chosen:
+            self.open_lab(chosen)
 
     def leave(self) -> None:
         """Go back to the first page."""
@@ -272,6 +301,7 @@ class LearnTab(QWidget):
         window = self.window()
         full = window.isFullScreen() and hasattr(self.stack.currentWidget(), "toggle_full_screen")
         self.list.setVisible(not full)
+        self.own_lab.setVisible(not full)
         self._escape.setEnabled(full)
         if isinstance(window, QMainWindow):
             window.menuBar().setVisible(not full)

@@ -48,6 +48,11 @@ class Welcome(QScrollArea):
         self._column.addStretch(1)
         self.setWidget(page)
 
+    @property
+    def note(self) -> str:
+        """What was said below the title."""
+        return self._note.text()
+
     def say(self, text: str) -> None:
         """Say something below the title, such as why a page could not be opened."""
         self._note.setText(text)

@@ -93,6 +93,9 @@ class LessonView(QTextBrowser):
         self.document().setDocumentMargin(20)
         self.anchorClicked.connect(self._clicked)
         theme().changed.connect(self._dress)
+        self._late = False
+        self._lateness = QTimer(self, singleShot=True, interval=700)
+        self._lateness.timeout.connect(self._be_late)
         self._refit = QTimer(self, singleShot=True, interval=120)
         self._refit.timeout.connect(self._place_pictures)
 
@@ -139,7 +142,8 @@ class LessonView(QTextBrowser):
         for job in self._current:
             job.stop()
         self._current = set()
-        self._images = {}
+        self._images, self._late = {}, False
+        self._lateness.start()
         self._html = to_html(self._markdown)
         look = theme()
         text, muted, border, accent = (look.colour(n).name() for n in ("text", "muted", "border", "accent"))
@@ -188,13 +192,9 @@ class LessonView(QTextBrowser):
 
     @Slot(object)
     def _formulas_drawn(self, images: dict[str, QImage]) -> None:
-        if self.sender() not in self._current:
-            return
-        self._images |= images
-        for address, image in images.items():
-            if image.isNull():  # what cannot be set is shown as it was written
-                self._html = _without_image(self._html, address)
-        self._lay()
+        if self.sender() in self._current:
+            self._images |= images
+            self._lay()
 
     def _draw_pictures(self) -> Job | None:
         parts = self._html.split('src="picture:')[1:]
@@ -241,16 +241,28 @@ class LessonView(QTextBrowser):
 
     def _lay(self) -> None:
         place = self.verticalScrollBar().value()
+        html = self._html
+        for address in formulas_in(html):
+            image = self._images.get(address)
+            if image.isNull() if image is not None else self._late:
+                html = _as_written(html, address)
         self.document().clear()
-        self.setHtml(f"<body>{self._html}</body>")
+        self.setHtml(f"<body>{html}</body>")
         self.verticalScrollBar().setValue(place)
+
+    def _be_late(self) -> None:
+        """Show formulas as they are written while the typesetter is still being loaded."""
+        if self.waiting:
+            self._late = True
+            self._lay()
 
     def _clicked(self, url: QUrl) -> None:
         if url.scheme() in LINKS:
             self.asked.emit(url.scheme(), url.path())
 
 
-def _without_image(html: str, address: str) -> str:
+def _as_written(html: str, address: str) -> str:
+    """Put the text of a formula in the place of its picture."""
     before, found, after = html.partition(f'<img src="{address}"')
     while found:
         html = f"{before}<code>{escape(formula_text(address))}</code>{after.partition('/>')[2]}"

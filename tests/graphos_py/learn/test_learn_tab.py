@@ -150,6 +150,20 @@ def test_an_unknown_name_is_a_sentence_not_an_end(tab: LearnTab) -> None:
     assert tab.stack.currentWidget() is tab.welcome
 
 
+def test_a_lab_of_an_instructor_opens_and_a_broken_one_says_the_line(tab: LearnTab, tmp_path: Path) -> None:
+    (tmp_path / "lab.toml").write_text(LAB, "utf-8")
+    tab.open_lab(str(tmp_path))
+    page = tab.stack.currentWidget()
+    assert isinstance(page, LabPage)
+    assert page.lab.title == "Small lab"
+    broken = tmp_path / "broken"
+    broken.mkdir()
+    (broken / "lab.toml").write_text(LAB.replace('kind = "do"', 'kind = "dance"'), "utf-8")
+    tab.open_lab(str(broken))
+    assert tab.stack.currentWidget() is tab.welcome
+    assert "line 15" in tab.welcome.note
+
+
 def test_every_lesson_is_drawn_with_all_its_formulas(session: Session, qtbot: QtBot) -> None:
     view = LessonView(session.jobs)
     qtbot.addWidget(view)
