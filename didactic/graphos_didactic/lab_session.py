@@ -199,6 +199,8 @@ def _row(
     if figure is not None:
         sigma = f" ± {figure.sigma:.2g}" if figure.sigma > 0 else ""
         computed = f"{figure.label}: {figure.value:.6g}{sigma} {figure.unit}".strip()
+        if step.kind == "compare" and figure.truth is not None:
+            computed += f"; truth {figure.truth:.6g} {figure.unit}".rstrip()
         guess = parse_number(answer)
         if step.kind == "predict" and guess is not None:
             computed += f"; predicted {guess:g}"

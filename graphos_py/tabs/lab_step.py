@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import QTimer, QUrl, Signal, Slot
-from PySide6.QtGui import QDesktopServices
+from PySide6.QtCore import QBuffer, QIODevice, QMarginsF, QTimer, QUrl, Signal, Slot
+from PySide6.QtGui import QDesktopServices, QFont, QPageLayout, QPageSize, QPdfWriter, QTextDocument
 from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
@@ -41,6 +42,7 @@ KIND_TEXTS = {
 }
 CHECK_TEXTS = {"read": "Read, go on", "predict": "Keep my prediction", "explain": "Keep my answer"}
 REPORT = "hand-in.html"
+PDF_DPI = 96
 
 
 class LabStep(QWidget):
@@ -261,7 +263,11 @@ class LabStep(QWidget):
 
     @Slot(object)
     def _handed_in(self, path: Path) -> None:
-        self.result.setText(tr("Written: {path}", path=path))
+        try:
+            write_pdf(path.read_text("utf-8"), path.with_suffix(".pdf"))
+        except OSError as problem:
+            self.session.message.emit("warning", tr("The PDF was not written: {why}", why=problem))
+        self.result.setText(tr("Written: {path} and the same as PDF beside it.", path=path))
         QDesktopServices.openUrl(QUrl.fromLocalFile(str(path)))
 
     @Slot(object)
@@ -356,3 +362,27 @@ class LabStep(QWidget):
         self.hint_button.setText(
             tr("Hint") if left == len(step.hints) else tr("A stronger hint") if left else tr("No more hints")
         )
+
+
+def write_pdf(page: str, path: Path) -> None:
+    """Write a hand-in as PDF on A4, without its plots; only in the window's thread.
+
+    Raises
+    ------
+    OSError
+        When the file cannot be written.
+    """
+    buffer = QBuffer()
+    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
+    writer = QPdfWriter(buffer)
+    writer.setPageSize(QPageSize(QPageSize.PageSizeId.A4))
+    writer.setPageMargins(QMarginsF(18, 16, 18, 16), QPageLayout.Unit.Millimeter)
+    writer.setResolution(PDF_DPI)
+    width = round(writer.width() * 96 / PDF_DPI)
+    document = QTextDocument()
+    document.setDefaultFont(QFont("Noto Sans", 10))
+    plain = re.sub(r'<img src="data:image/svg[^>]*>', "", page)  # Qt draws no text in the SVG of the plots
+    document.setHtml(plain.replace("<img ", f'<img width="{width - 40}" '))
+    document.print_(writer)
+    del writer  # ends the file
+    path.write_bytes(buffer.data().data())

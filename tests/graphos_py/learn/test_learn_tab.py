@@ -278,6 +278,7 @@ def test_the_hand_in_is_written_and_the_key_is_for_experts(
     qtbot.waitUntil(lambda: bool(opened), timeout=20_000)
     page = (student.folder / "hand-in.html").read_text("utf-8")
     assert "<b>Eve" not in page
+    assert (student.folder / "hand-in.pdf").read_bytes().startswith(b"%PDF")
     lab_page.key.click()
     qtbot.waitUntil(lambda: "not computed yet" in lab_page.step.text.toPlainText(), timeout=10_000)
 
