@@ -125,7 +125,9 @@ class Project:
         if control is not None:
             made = replace(made, control=copy_control(Path(control), folder))
         made = replace(made, files=tuple(sorted({p.name for p in photo_set.photos} | set(made.excluded))))
-        project = cls(folder, made, photo_set, Store(folder / "results"))
+        store = Store(folder / "results")
+        store.sweep()
+        project = cls(folder, made, photo_set, store)
         project.save()
         return project
 

@@ -13,6 +13,7 @@ import json
 import math
 import os
 import shutil
+import time
 import uuid
 import zipfile
 from collections import OrderedDict
@@ -131,7 +132,7 @@ class Store:
         UserError
             When the folder cannot be written.
         """
-        temporary = self.folder / stage / f".{uuid.uuid4().hex[:12]}.part"
+        temporary = self.folder / stage / f".{os.getpid()}-{uuid.uuid4().hex[:8]}.part"
         try:
             temporary.mkdir(parents=True)
         except OSError as problem:
@@ -178,7 +179,7 @@ class Store:
             temporary.rename(target)
         except OSError as problem:
             shutil.rmtree(temporary, ignore_errors=True)
-            raise cannot_write(target, problem) from problem
+            raise cannot_write(Path(f"The result of the step “{stage}”"), problem) from problem
         except BaseException:
             shutil.rmtree(temporary, ignore_errors=True)
             raise
@@ -242,9 +243,26 @@ class Store:
         shutil.rmtree(begun, ignore_errors=True)
 
     def sweep(self) -> None:
-        """Remove what killed runs left half written."""
+        """Remove what killed runs left half written; what a running program is writing stays."""
         for part in self.folder.glob("*/.*.part"):
-            shutil.rmtree(part, ignore_errors=True)
+            if not _is_running(part):
+                shutil.rmtree(part, ignore_errors=True)
+
+
+def _is_running(part: Path) -> bool:
+    """Say whether the program that began a temporary folder may still be writing it."""
+    if os.name != "posix":  # there signal 0 is not a question
+        return time.time() - part.stat().st_mtime < 3600.0
+    owner = part.name[1:].partition("-")[0]
+    if not owner.isdigit():
+        return False
+    try:
+        os.kill(int(owner), 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        return True
+    return True
 
 
 def _write_arrays(path: Path, arrays: Mapping[str, np.ndarray[Any, Any]]) -> None:

@@ -6,6 +6,8 @@ import errno
 import json
 import math
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -64,6 +66,16 @@ def test_a_half_written_result_does_not_exist(tmp_path: Path) -> None:
     begun = store.begin("s")
     (begun / "file.png").write_bytes(b"half")
     assert store.keys("s") == []
+    Store(tmp_path).sweep()
+    assert begun.exists()  # this process may still be writing it
+
+
+def test_what_a_killed_program_left_is_swept_away(tmp_path: Path) -> None:
+    killed = subprocess.run(
+        [sys.executable, "-c", f"from pathlib import Path; from graphos_core.store import Store\n"
+         f"Store(Path({str(tmp_path)!r})).begin('s')"], check=True)  # fmt: skip
+    assert killed.returncode == 0
+    assert len(list((tmp_path / "s").iterdir())) == 1
     Store(tmp_path).sweep()
     assert list((tmp_path / "s").iterdir()) == []
 
