@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import QBuffer, QIODevice, QMarginsF, QTimer, QUrl, Signal, Slot
-from PySide6.QtGui import QDesktopServices, QFont, QPageLayout, QPageSize, QPdfWriter, QTextDocument
+from PySide6.QtCore import QTimer, QUrl, Signal, Slot
+from PySide6.QtGui import QDesktopServices
 from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
@@ -28,6 +27,7 @@ from graphos_didactic.labs import Step
 from graphos_py.icons import bind_icon
 from graphos_py.jobs import Job
 from graphos_py.session import STAGE_LABELS, Session
+from graphos_py.tabs.lab_hand_in import REPORT, write_pdf
 from graphos_py.theme import theme
 from graphos_py.translation import tr
 from graphos_py.views.lesson_view import LessonView
@@ -41,8 +41,6 @@ KIND_TEXTS = {
     "explain": "Explain in words",
 }
 CHECK_TEXTS = {"read": "Read, go on", "predict": "Keep my prediction", "explain": "Keep my answer"}
-REPORT = "hand-in.html"
-PDF_DPI = 96
 
 
 class LabStep(QWidget):
@@ -362,27 +360,3 @@ class LabStep(QWidget):
         self.hint_button.setText(
             tr("Hint") if left == len(step.hints) else tr("A stronger hint") if left else tr("No more hints")
         )
-
-
-def write_pdf(page: str, path: Path) -> None:
-    """Write a hand-in as PDF on A4, without its plots; only in the window's thread.
-
-    Raises
-    ------
-    OSError
-        When the file cannot be written.
-    """
-    buffer = QBuffer()
-    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
-    writer = QPdfWriter(buffer)
-    writer.setPageSize(QPageSize(QPageSize.PageSizeId.A4))
-    writer.setPageMargins(QMarginsF(18, 16, 18, 16), QPageLayout.Unit.Millimeter)
-    writer.setResolution(PDF_DPI)
-    width = round(writer.width() * 96 / PDF_DPI)
-    document = QTextDocument()
-    document.setDefaultFont(QFont("Noto Sans", 10))
-    plain = re.sub(r'<img src="data:image/svg[^>]*>', "", page)  # Qt draws no text in the SVG of the plots
-    document.setHtml(plain.replace("<img ", f'<img width="{width - 40}" '))
-    document.print_(writer)
-    del writer  # ends the file
-    path.write_bytes(buffer.data().data())

@@ -148,7 +148,7 @@ class LessonView(QTextBrowser):
         look = theme()
         text, muted, border, accent = (look.colour(n).name() for n in ("text", "muted", "border", "accent"))
         self.document().setDefaultStyleSheet(
-            f"body, p, li, td, th {{ color: {text}; line-height: 140%; }} a {{ color: {accent}; }}"
+            f"body, p, li, td, th {{ color: {text}; line-height: 122%; }} a {{ color: {accent}; }}"
             f"p {{ margin-top: 6px; margin-bottom: 8px; }} em {{ color: {muted}; }}"
             f"td, th {{ border-bottom: 1px solid {border}; line-height: 115%; }}"
             f"h1 {{ font-size: {look.points('title')}pt; }} h2 {{ font-size: {look.points('heading')}pt; }}"
