@@ -125,7 +125,12 @@ def control_columns(georeference: Georeference) -> list[Column]:
     residuals = np.asarray(georeference.residuals, dtype=float)
     kinds = [tr("check") if check else tr("control") for check in georeference.check]
     columns = [Column(tr("point"), list(georeference.names)), Column(tr("kind"), kinds)]
+    lengths = np.linalg.norm(residuals, axis=1)
+    factor, unit = (1000.0, "mm") if np.nanmedian(lengths) < 0.1 else (1.0, "m")
+    decimals = max(0, 1 - math.floor(math.log10(max(float(np.nanmedian(lengths)) * factor, 1e-6))))
     for axis, symbol in enumerate(("dX", "dY", "dZ")):
-        columns.append(Column(symbol, residuals[:, axis], "m", digits=3, help=tr("computed − given")))
-    columns.append(Column(tr("length"), np.linalg.norm(residuals, axis=1), "m", digits=3))
+        columns.append(
+            Column(symbol, factor * residuals[:, axis], unit, help=tr("computed − given"), decimals=decimals)
+        )
+    columns.append(Column(tr("length"), factor * lengths, unit, decimals=decimals))
     return columns

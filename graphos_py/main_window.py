@@ -143,7 +143,7 @@ class MainWindow(QMainWindow):
         self.resizeDocks(
             [self.docks["photos"], self.docks["messages"]], [750, 600], Qt.Orientation.Horizontal
         )
-        self.resizeDocks([self.docks["photos"]], [look.px(185)], Qt.Orientation.Vertical)
+        self.resizeDocks([self.docks["photos"]], [look.px(172)], Qt.Orientation.Vertical)
 
     def _dock(self, key: str, title: str, widget: QWidget, area: Qt.DockWidgetArea) -> QDockWidget:
         dock = QDockWidget(title, self)

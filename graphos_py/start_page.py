@@ -188,13 +188,14 @@ class StartPage(QScrollArea):
             item = self._recent.takeAt(0)
             widget = item.widget() if item is not None else None
             if widget is not None:
+                widget.hide()
                 widget.deleteLater()
         if not projects:
             none = QLabel(tr("None yet. The demo project is a good first one."))
             none.setProperty("role", "caption")
             self._recent.addWidget(none)
         for path in projects:
-            button = QPushButton(f"{path.name}    {path.parent}")
+            button = QPushButton(f"{path.name}    {_home_path(path.parent)}")
             button.setProperty("role", "link")
             button.setCursor(Qt.CursorShape.PointingHandCursor)
             button.clicked.connect(lambda _=False, path=path: self.recent.emit(path))
@@ -202,3 +203,11 @@ class StartPage(QScrollArea):
 
     def _rescale(self) -> None:
         self._title.setStyleSheet(f"font-size: {theme().points('title') * 1.6:.1f}pt; font-weight: 300;")
+
+
+def _home_path(path: Path) -> str:
+    """Return a path with ``~`` for the person's own folder."""
+    try:
+        return str(Path("~") / path.relative_to(Path.home()))
+    except (ValueError, RuntimeError):
+        return str(path)

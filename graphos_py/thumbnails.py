@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from PySide6.QtCore import QSize, Qt, QTimer
-from PySide6.QtGui import QColor, QIcon, QImage, QPainter, QPen, QPixmap
+from PySide6.QtGui import QColor, QIcon, QImage, QPainter, QPen, QPixmap, QResizeEvent
 from PySide6.QtWidgets import QListWidget, QListWidgetItem, QWidget
 
 from graphos_core.data import Adjustment
@@ -41,6 +41,7 @@ class Thumbnails(QListWidget):
         self.setMovement(QListWidget.Movement.Static)
         self.setResizeMode(QListWidget.ResizeMode.Adjust)
         self.setUniformItemSizes(True)
+        self.setWrapping(False)
         self.setSpacing(4)
         self.setTextElideMode(Qt.TextElideMode.ElideMiddle)
         self.setAccessibleName(tr("Photos"))
@@ -166,6 +167,11 @@ class Thumbnails(QListWidget):
         return "left out", next((tr(f.reason) for f in block.failures if f.item == name), "")
 
     # --------------------------------------------------------------------------------------------- reacting
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Show one row to scroll sideways, or as many whole rows as there is room for."""
+        super().resizeEvent(event)
+        self.setWrapping(event.size().height() >= 2 * self.gridSize().height())
 
     def _judge(self, stage: str) -> None:
         if stage == "adjustment":

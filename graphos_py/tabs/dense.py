@@ -41,6 +41,7 @@ class DenseTab(StageTab):
         from graphos_py.views.depth_view import DepthView
 
         self.cloud = CloudView()
+        self.cloud.show_cameras(False)  # they would hide the surface
         self.depth_view = DepthView()
         self._maps: dict[int, DepthMap] = {}
         self._unit = "model units"

@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLabel, QSplitter, QVBoxLayout, QWidget
 
 from graphos_core.data import Array, PairMatches, Photo
-from graphos_core.number_format import format_value
+from graphos_core.number_format import THIN_SPACE, format_value
 from graphos_core.run import Run
 from graphos_py.jobs import Job
 from graphos_py.tabs.images import read_photo
@@ -173,11 +173,10 @@ class FeaturesTab(StageTab):
         matches = np.asarray(pair.matches).reshape(-1, 2)
         photos = self._photos()
         cameras = self.session.project.photo_set.cameras if self.session.project else ()
-        curve = None
+        curve = both = None
         if pair.kind == "essential" and cameras:
-            curve = essential_curve(
-                np.asarray(pair.matrix), (cameras[photos[pair.a].camera], cameras[photos[pair.b].camera])
-            )
+            both = (cameras[photos[pair.a].camera], cameras[photos[pair.b].camera])
+            curve = essential_curve(np.asarray(pair.matrix), both)
         self.matches.set_pair(
             image_a,
             image_b,
@@ -186,6 +185,7 @@ class FeaturesTab(StageTab):
             pair,
             (photos[pair.a].name, photos[pair.b].name),
             curve,
+            both,
         )
 
     def _pair_over(self) -> None:
@@ -200,6 +200,7 @@ class FeaturesTab(StageTab):
             a=photos[pair.a].name, b=photos[pair.b].name, verified=format_value(len(pair.matches)),
             candidates=format_value(pair.candidates),
         )  # fmt: skip
+        text = text.replace(THIN_SPACE, "\u202f")  # where a thin space would break the line
         self.pair_text.setText(f"{text}. {tr(pair.reason)}" if pair.reason else text)
 
     # -------------------------------------------------------------------------------------------- numbers

@@ -7,12 +7,24 @@ from typing import Any
 
 import numpy as np
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QLabel, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QSplitter, QVBoxLayout, QWidget
 
 from graphos_core.roles import ComparisonResult
 from graphos_py.tabs.adjustment import show_cameras
 from graphos_py.tabs.stage_tab import StageTab
 from graphos_py.translation import tr
+
+LABELS = {
+    "count": "number",
+    "mean": "mean",
+    "std": "standard deviation",
+    "rmse": "RMSE",
+    "median": "median",
+    "nmad": "NMAD",
+    "q68": "68.3 %",
+    "q95": "95 %",
+}
+"""What people call the statistics."""
 
 
 class QualityTab(StageTab):
@@ -36,28 +48,31 @@ class QualityTab(StageTab):
         self.advice.setWordWrap(True)
         self.advice.setMargin(12)
         self.advice.setAlignment(Qt.AlignmentFlag.AlignTop)
-        scroll = QScrollArea()
-        scroll.setWidgetResizable(True)
-        scroll.setWidget(self.advice)
         self.figures = TableView()
         page = QWidget()
         column = QVBoxLayout(page)
         column.setContentsMargins(0, 0, 0, 0)
-        column.addWidget(scroll, 1)
-        column.addWidget(self.figures, 3)
+        column.addWidget(self.advice)
+        column.addWidget(self.figures, 1)
         self.histogram = PlotView()
         self.definition = QLabel()
         self.definition.setWordWrap(True)
         self.definition.setMargin(12)
         self.distances = QWidget()
-        column = QVBoxLayout(self.distances)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.addWidget(self.definition)
-        column.addWidget(self.histogram, 1)
+        self.definition.setAlignment(Qt.AlignmentFlag.AlignTop)
+        row = QHBoxLayout(self.distances)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.addWidget(self.definition, 1)
+        row.addWidget(self.histogram, 3)
         self.cloud = CloudView()
+        self.cloud.show_cameras(False)
+        both = QSplitter(Qt.Orientation.Vertical)
+        both.setChildrenCollapsible(False)
+        both.addWidget(self.cloud)
+        both.addWidget(self.distances)
+        both.setSizes([620, 380])
         self.add_view(page, "Figures and advice")
-        self.add_view(self.distances, "Distances")
-        self.add_view(self.cloud, "Measure in the cloud")
+        self.add_view(both, "Distances and measuring")
 
     def show_result(self, result: Any) -> None:
         """Fill the pages."""
@@ -70,11 +85,7 @@ class QualityTab(StageTab):
         rows = [_figure(name, value) for name, value in result.figures.items()]
         comparison: ComparisonResult | None = result.comparison
         if comparison is not None:
-            unit = tr(comparison.unit)
-            rows += [
-                (tr("Distance: {name}", name=tr(name)), value, "" if name == "count" else unit, "")
-                for name, value in comparison.statistics.items()
-            ]
+            rows = _distance_rows(comparison) + rows
         self.figures.set_table(
             [
                 Column(tr("figure"), [row[0] for row in rows]),
@@ -87,14 +98,13 @@ class QualityTab(StageTab):
         self._show_cloud(comparison)
 
     def _show_distances(self, comparison: ComparisonResult | None) -> None:
-        self.views.setTabVisible(self.views.indexOf(self.distances), comparison is not None)
+        self.distances.setVisible(comparison is not None)
         if comparison is not None:
+            factor, unit = _readable_unit(comparison)
             distances = np.asarray(comparison.distances)
             reach = 1.5 * float(comparison.statistics.get("q95", np.nanmax(np.abs(distances)))) or 1.0
             self.histogram.show_histogram(
-                distances[np.abs(distances) <= reach],
-                tr("distance"),
-                comparison.unit,
+                factor * distances[np.abs(distances) <= reach], tr("distance"), unit
             )
             self.definition.setText(tr(comparison.definition))
 
@@ -108,10 +118,29 @@ class QualityTab(StageTab):
         if oriented is not None and oriented.adjustment.block.unit == cloud.unit:
             show_cameras(self.cloud, oriented.adjustment.block)
         if comparison is not None and len(comparison.distances) == len(cloud.points):
-            reach = float(comparison.statistics.get("q95", 0.0)) or 1.0
-            self.cloud.set_values(
-                comparison.distances, -reach, reach, tr("distance"), comparison.unit, "diverging"
-            )
+            factor, unit = _readable_unit(comparison)
+            reach = factor * float(comparison.statistics.get("q95", 0.0)) or 1.0
+            values = factor * np.asarray(comparison.distances)
+            self.cloud.set_values(values, -reach, reach, tr("distance"), unit, "diverging")
+
+
+def _readable_unit(comparison: ComparisonResult) -> tuple[float, str]:
+    """Return the factor and unit in which the distances are easy to read: millimetres where they are small."""
+    small = float(comparison.statistics.get("q95", 1.0)) < 0.1
+    return (1000.0, "mm") if comparison.unit == "m" and small else (1.0, tr(comparison.unit))
+
+
+def _distance_rows(comparison: ComparisonResult) -> list[tuple[str, Any, str, str]]:
+    """Return label, value, unit and definition of the statistics of the distances from the reference."""
+    from graphos_core.quality.statistics import DEFINITIONS
+
+    factor, unit = _readable_unit(comparison)
+    rows: list[tuple[str, Any, str, str]] = []
+    for name, value in comparison.statistics.items():
+        label = tr("Distance from the reference: {name}", name=tr(LABELS.get(name, name)))
+        shown = int(value) if name == "count" else factor * value
+        rows.append((label, shown, "" if name == "count" else unit, tr(DEFINITIONS.get(name, ""))))
+    return rows
 
 
 def _figure(name: str, figure: Any) -> tuple[str, Any, str, str]:

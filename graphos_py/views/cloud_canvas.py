@@ -91,6 +91,11 @@ class CloudCanvas(QWidget):
 
     # pictures
 
+    @property
+    def busy(self) -> bool:
+        """Whether a picture is being drawn or waits to be."""
+        return self._busy or self._again or self._rest.isActive()
+
     def refresh(self) -> None:
         """Ask for a new picture; while one is being drawn, only the latest wish is kept."""
         if self._busy:

@@ -224,11 +224,11 @@ class CloudScene:
         choice = np.array(np.meshgrid([0, 1], [0, 1], [0, 1])).reshape(3, -1).T
         return np.take_along_axis(self.box, choice, axis=0)
 
-    def fit_points(self) -> Array:
+    def fit_points(self, with_cameras: bool = True) -> Array:
         """Return points (n, 3) that have to be in the picture: a sample of the cloud in its box, and the cameras."""
         sample = self.points[:: max(len(self.points) // 3000, 1)]
         inside = ((sample >= self.box[0]) & (sample <= self.box[1])).all(axis=1)
-        return np.concatenate([sample[inside], self.centres])
+        return np.concatenate([sample[inside], self.centres]) if with_cameras else sample[inside]
 
     def first_camera(self) -> ViewCamera:
         """Return the first sight: as the cameras look at the cloud, a little from above and from the side."""

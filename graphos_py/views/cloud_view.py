@@ -58,7 +58,7 @@ class CloudView(QWidget):
         self._prepared_mode = ""
         self._dense = False
         self.canvas = CloudCanvas(self._describe, self)
-        self.canvas.fit_points = lambda: self.scene.fit_points()
+        self.canvas.fit_points = lambda: self.scene.fit_points(self.bar.cameras.isChecked())
         self.canvas.pivot_point = lambda: self.scene.box.mean(axis=0)
         self.canvas.empty = (
             self.tr("Here you will see the object in space, and where the photos were taken"),
@@ -181,6 +181,10 @@ class CloudView(QWidget):
         self.canvas.refresh()
         self._write()
 
+    def show_cameras(self, shown: bool) -> None:
+        """Show or hide the cameras; the person can switch them too."""
+        self.bar.cameras.setChecked(shown)
+
     def set_mode(self, mode: str) -> None:
         """Colour by ``rgb``, ``height``, ``views``, ``normals`` or ``values``."""
         self.mode = self.bar.offer_modes(self.scene, mode)
@@ -205,7 +209,7 @@ class CloudView(QWidget):
         if not self.canvas.touched and self._filled():
             camera = self.scene.first_camera()
             self.canvas.set_camera(
-                camera.fitted(self.scene.fit_points(), *self.canvas.size_px()), touched=False
+                camera.fitted(self.canvas.fit_points(), *self.canvas.size_px()), touched=False
             )
         else:
             self.canvas.refresh()

@@ -16,7 +16,8 @@ from graphos_py.views.painting import plate
 if TYPE_CHECKING:
     from graphos_py.views.match_view import MatchView
 
-LINES_AT_MOST = 160
+LINES_AT_MOST = 120
+POINTS_AT_MOST = 600
 
 
 class MatchOverlay(QWidget):
@@ -56,7 +57,12 @@ class MatchOverlay(QWidget):
         for canvas, name in zip(self.view.canvases, self.view.names):
             if name:
                 metrics = painter.fontMetrics()
-                box = QRectF(canvas.x() + 10, 10, metrics.horizontalAdvance(name) + 16, metrics.height() + 6)
+                box = QRectF(
+                    canvas.x() + 10,
+                    canvas.y() + 10,
+                    metrics.horizontalAdvance(name) + 16,
+                    metrics.height() + 6,
+                )
                 plate(painter, box, self.palette())
                 painter.drawText(box, Qt.AlignmentFlag.AlignCenter, name)
         if self.view.residuals is not None and len(self.view.residuals):
@@ -69,7 +75,7 @@ class MatchOverlay(QWidget):
     def _paint_matches(self, painter: QPainter) -> None:
         """Paint all points and, evenly chosen, as many lines as can be told apart; kept until the view changes."""
         ratio = self.devicePixelRatioF()
-        views = [(c.zoom, c.left, c.top, c.x(), c.width(), c.height()) for c in self.view.canvases]
+        views = [(c.zoom, c.left, c.top, c.x(), c.y(), c.width(), c.height()) for c in self.view.canvases]
         key = (tuple(views), ratio, len(self.view.xy[0]), id(self.view.colours))
         if key != self._cache_key or self._cache is None:
             size = self.size() * ratio
@@ -90,9 +96,7 @@ class MatchOverlay(QWidget):
         inside = [self._in_sight(side, positions) for side, positions in enumerate(both)]
         linked = np.flatnonzero(inside[0] & inside[1])
         self.lines_drawn = min(len(linked), LINES_AT_MOST)
-        drawn = (
-            linked[np.linspace(0, len(linked) - 1, self.lines_drawn).astype(int)] if len(linked) else linked
-        )
+        drawn = _evenly(linked, LINES_AT_MOST)
         rows = np.column_stack(both)
         edge = QColor(0, 0, 0, 110)
         for index in drawn.tolist():
@@ -103,11 +107,11 @@ class MatchOverlay(QWidget):
             painter.drawLine(stroke)
         cap = Qt.PenCapStyle.RoundCap
         for positions, seen in zip(both, inside):
-            chosen = np.flatnonzero(seen).tolist()
-            painter.setPen(QPen(QColor(0, 0, 0, 190), 6.0, Qt.PenStyle.SolidLine, cap))
+            chosen = _evenly(np.flatnonzero(seen), POINTS_AT_MOST).tolist()
+            painter.setPen(QPen(QColor(0, 0, 0, 190), 5.0, Qt.PenStyle.SolidLine, cap))
             painter.drawPoints([QPointF(*positions[index].tolist()) for index in chosen])
             for index in chosen:
-                painter.setPen(QPen(self.view.colours[index], 4.0, Qt.PenStyle.SolidLine, cap))
+                painter.setPen(QPen(self.view.colours[index], 3.4, Qt.PenStyle.SolidLine, cap))
                 painter.drawPoint(QPointF(*positions[index].tolist()))
 
     def _in_sight(self, side: int, positions: Array) -> Array:
@@ -141,3 +145,8 @@ class MatchOverlay(QWidget):
             painter.setPen(QPen(colour, width))
             painter.drawPolyline(line)
         painter.restore()
+
+
+def _evenly(rows: Array, count: int) -> Array:
+    """Return at most `count` of the rows, evenly chosen: more would hide each other."""
+    return rows if len(rows) <= count else rows[np.linspace(0, len(rows) - 1, count).astype(int)]

@@ -11,8 +11,9 @@ from PySide6.QtGui import (
     QColor,
     QContextMenuEvent,
     QKeyEvent,
+    QResizeEvent,
 )
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QBoxLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from graphos_core.data.cameras import Camera
 from graphos_core.data.matches import PairMatches
@@ -62,11 +63,11 @@ class MatchView(QWidget):
         self.pointed: tuple[int, float, float] | None = None
         self._linking = False
         self._picture = QWidget(self)
-        row = QHBoxLayout(self._picture)
-        row.setContentsMargins(0, 0, 0, 0)
-        row.setSpacing(GAP)
+        self._photos = QHBoxLayout(self._picture)
+        self._photos.setContentsMargins(0, 0, 0, 0)
+        self._photos.setSpacing(GAP)
         for side, canvas in enumerate(self.canvases):
-            row.addWidget(canvas, 1)
+            self._photos.addWidget(canvas, 1)
             canvas.clicked.connect(lambda x, y, s=side: self._on_click(s, x, y))
             canvas.cursor_moved.connect(lambda x, y, s=side: self._on_cursor(s, x, y))
             canvas.view_changed.connect(lambda s=side: self._link(s))
@@ -120,6 +121,7 @@ class MatchView(QWidget):
         self.pointed = None
         for canvas, image in zip(self.canvases, (image_a, image_b)):
             canvas.set_array(image)
+        self._arrange()
         self._given_curve = epipolar_curve
         self._geometry = PairGeometry.of_pair(pair, (self._size(0), self._size(1)), cameras)
         self._take_residuals(None)
@@ -131,6 +133,21 @@ class MatchView(QWidget):
                     self._take_residuals(result)
 
             self._background.run(lambda: geometry.distances(*xy), take)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Put the photos side by side or one above the other, whichever shows them larger."""
+        super().resizeEvent(event)
+        self._arrange()
+
+    def _arrange(self) -> None:
+        width, height = self._size(0)
+        if not width or self.canvases[1].array is None:
+            return
+        area = self._picture.size()
+        beside = min(area.width() / (2 * width), area.height() / height)
+        above = min(area.width() / width, area.height() / (2 * height))
+        directions = QBoxLayout.Direction
+        self._photos.setDirection(directions.LeftToRight if beside >= above else directions.TopToBottom)
 
     def _take_residuals(self, residuals: Array | None) -> None:
         self.residuals = residuals
@@ -168,11 +185,12 @@ class MatchView(QWidget):
         self.colours = [QColor(*rgb) for rgb in table.tolist()]
 
     def legend_range(self) -> float:
-        """Return the distance from the epipolar line that gets the last colour, px."""
+        """Return the distance from the epipolar line that gets the last colour, px: few matches lie beyond it."""
+        if self.residuals is None or not len(self.residuals):
+            return 1.0
+        high = float(np.quantile(self.residuals, 0.98))
         threshold = self._pair.threshold_px if self._pair is not None else 0.0
-        if threshold > 0:
-            return float(threshold)
-        return float(np.max(self.residuals)) if self.residuals is not None and len(self.residuals) else 1.0
+        return max(min(high, threshold) if threshold > 0 else high, 1e-3)
 
     # people
 
@@ -202,9 +220,11 @@ class MatchView(QWidget):
         first, second = self.canvases[side], self.canvases[1 - side]
         if not self._linking and first.array is not None and second.array is not None:
             self._linking = True
+            if first.fitted:  # both whole, also after a change of size
+                second.fit()
             ratio = min(first.image_size) / min(second.image_size)
             zoom = first.zoom * ratio
-            if abs(zoom / second.zoom - 1.0) > 1e-6:
+            if not first.fitted and abs(zoom / second.zoom - 1.0) > 1e-6:
                 middle = (0.5 * second.width(), 0.5 * second.height())
                 x, y = self._counterpart(side)
                 second.zoom_at(*middle, zoom / second.zoom) if math.isnan(x) else second.focus_on(x, y, zoom)

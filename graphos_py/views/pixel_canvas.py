@@ -87,6 +87,11 @@ class PixelCanvas(QWidget):
         self.update()
 
     @property
+    def fitted(self) -> bool:
+        """Whether the whole picture is shown as large as it goes, and stays so when the size changes."""
+        return self._fitted
+
+    @property
     def image_size(self) -> tuple[int, int]:
         """Width and height of the picture, px; (0, 0) when empty."""
         return (0, 0) if self.array is None else (self.array.shape[1], self.array.shape[0])

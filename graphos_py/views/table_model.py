@@ -11,7 +11,7 @@ import numpy as np
 from PySide6.QtCore import QAbstractTableModel, QModelIndex, QPersistentModelIndex, Qt
 
 from graphos_core.data.record import Array
-from graphos_core.number_format import format_value
+from graphos_core.number_format import format_value, group_thousands
 
 Index = QModelIndex | QPersistentModelIndex
 
@@ -32,6 +32,8 @@ class Column:
         Significant digits of numbers without standard deviation.
     help : str
         Shown at the header.
+    decimals : int or None
+        Decimal places of all numbers without standard deviation, so that they can be compared; None for `digits`.
     """
 
     title: str
@@ -40,6 +42,7 @@ class Column:
     sigmas: Sequence[float] | Array | None = None
     digits: int = 4
     help: str = ""
+    decimals: int | None = None
 
     def text(self, row: int) -> str:
         """Return a cell for people."""
@@ -51,6 +54,8 @@ class Column:
         if isinstance(value, np.integer):
             value = int(value)
         sigma = None if self.sigmas is None else float(self.sigmas[row])
+        if self.decimals is not None and sigma is None and isinstance(value, float) and math.isfinite(value):
+            return group_thousands(f"{value:.{self.decimals}f}")
         return format_value(value, sigma, digits=self.digits)
 
     def sort_key(self, row: int) -> tuple[int, Any]:
