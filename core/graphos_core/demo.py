@@ -17,6 +17,7 @@ from graphos_core.run import Run
 from graphos_core.simulation.comparison import camera_centre_errors, coverage, surface_errors
 from graphos_core.simulation.photo_block import simulate_photos
 from graphos_core.simulation.truth import Truth, load_truth
+from graphos_core.text import Text
 
 
 def run_demo(out: Path, photos: int, progress: Run) -> list[tuple[str, str]]:
@@ -37,6 +38,7 @@ def run_demo(out: Path, photos: int, progress: Run) -> list[tuple[str, str]]:
     rows = []
     started = time.perf_counter()
     if not (out / "simulation" / "truth" / "cameras.json").exists():
+        progress.say(Text("Simulating {n} photos of a façade, with known truth …", n=photos))
         simulate_photos("facade", out / "simulation", seed=progress.seed, photos=photos, run=progress)
     simulated = time.perf_counter() - started
     project = Project.create(
