@@ -31,6 +31,9 @@ STAGE_LABELS: dict[Stage, str] = {
     "quality": "Quality control",
 }
 
+GIVE_UP_MS = 700
+"""How long a stopped job may take before the window goes on without it."""
+
 
 @dataclass(frozen=True)
 class Progress:
@@ -84,6 +87,8 @@ class Session(QObject):
         self._goal: Stage | None = None
         self._left = TimeLeft()
         self._loading = 0
+        self._giving_up = QTimer(self, singleShot=True, interval=GIVE_UP_MS)
+        self._giving_up.timeout.connect(self._give_up)
         self._saving = QTimer(self, singleShot=True, interval=400)
         self._saving.timeout.connect(self.save_recipe)
 
@@ -231,7 +236,20 @@ class Session(QObject):
         self._goal = None
         if self._job is not None:
             self._job.stop()
+            self._giving_up.start()
             self.run_changed.emit()
+
+    @Slot()
+    def _give_up(self) -> None:
+        """Wait no longer for a stopped job that is inside one long call; it ends by itself, and nobody listens."""
+        if self.stopping:
+            self._job = None
+            self._on_stopped()
+
+    def _is_old(self) -> bool:
+        """Whether the signal comes from a job that was given up."""
+        sender = self.sender()
+        return isinstance(sender, Job) and sender is not self._job
 
     @property
     def stopping(self) -> bool:
@@ -270,7 +288,7 @@ class Session(QObject):
 
     @Slot(float, float, object)
     def _on_progress(self, done: float, total: float, what: str) -> None:
-        if self.running is not None:
+        if self.running is not None and not self._is_old():
             left = self._left.seconds(done, total, what)
             self.progressed.emit(Progress(self.running, done, total, what, left))
 
@@ -284,16 +302,17 @@ class Session(QObject):
 
     @Slot(str, object)
     def _on_shown(self, key: str, values: list[Any]) -> None:
-        if self.running is not None:
+        if self.running is not None and not self._is_old():
             self.partial.emit(self.running, key, values)
 
     @Slot(object)
     def _on_success(self, result: Any) -> None:
         stage = self.running
-        if stage is None:
+        if stage is None or self._is_old():
             return
         self.results[stage] = result
         self.results_changed.emit(stage)
+        self._tell_left_out(stage, result)
         if (
             self.pipeline is not None
             and self.pipeline.state(stage).status != "done"
@@ -303,13 +322,26 @@ class Session(QObject):
         else:
             self._next_stage()
 
+    def _tell_left_out(self, stage: Stage, result: Any) -> None:
+        """Name the photos that could not be oriented, each reason once."""
+        reasons: dict[str, list[str]] = {}
+        for failure in result.adjustment.block.failures if stage == "adjustment" else ():
+            reasons.setdefault(failure.reason, []).append(failure.item)
+        for reason, names in reasons.items():
+            listed = ", ".join(names[:6]) + (" …" if len(names) > 6 else "")
+            self.message.emit("warning", Text("Not oriented: {names}. {reason}", names=listed, reason=reason))
+
     @Slot()
     def _on_stopped(self) -> None:
+        if self._is_old():
+            return
         self.message.emit("info", "Stopped; what was finished before is kept.")
         self._end_run()
 
     @Slot(object)
     def _on_failure(self, problem: BaseException) -> None:
+        if self._is_old():
+            return
         if self.running is not None and isinstance(problem, GraphosError):
             error = problem if isinstance(problem, UserError) else UserError(str(problem))
             self.failed[self.running] = error
@@ -317,6 +349,7 @@ class Session(QObject):
         self._end_run()
 
     def _end_run(self) -> None:
+        self._giving_up.stop()
         self._goal = self._job = self.running = None
         self.run_changed.emit()
         self.states_changed.emit()

@@ -34,6 +34,7 @@ class Thumbnails(QListWidget):
         super().__init__(parent)
         self._session = session
         self._pictures: dict[str, QImage] = {}
+        self._small: dict[str, tuple[QSize, QImage]] = {}
         self._reading: Job | None = None
         self._filling = False
         self._folder: Path | None = None
@@ -61,6 +62,7 @@ class Thumbnails(QListWidget):
         if project is not None and project.folder != self._folder:
             self._folder = project.folder
             self._pictures.clear()
+            self._small.clear()
             forget()
         self._filling = True
         self.clear()
@@ -129,9 +131,7 @@ class Thumbnails(QListWidget):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         image = self._pictures.get(name)
         if image is not None and not image.isNull():
-            small = image.scaled(
-                pixmap.size(), Qt.AspectRatioMode.KeepAspectRatio, Qt.TransformationMode.SmoothTransformation
-            )
+            small = self._scaled(name, image, pixmap.size())
             painter.setOpacity(0.35 if verdict == "unused" else 1.0)
             painter.drawImage(
                 (pixmap.width() - small.width()) // 2, (pixmap.height() - small.height()) // 2, small
@@ -152,6 +152,14 @@ class Thumbnails(QListWidget):
         item.setIcon(QIcon(pixmap))
         item.setToolTip(f"{name}\n{tr(sentence)} {tr(reason)}".strip())
         self._filling = False
+
+    def _scaled(self, name: str, image: QImage, size: QSize) -> QImage:
+        """Return a photo at the size of its place; scaled once."""
+        known = self._small.get(name)
+        if known is None or known[0] != size:
+            how = Qt.AspectRatioMode.KeepAspectRatio, Qt.TransformationMode.SmoothTransformation
+            known = self._small[name] = (size, image.scaled(size, *how))
+        return known[1]
 
     def _verdict(self, name: str) -> tuple[str, str]:
         project = self._session.project

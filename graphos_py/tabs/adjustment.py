@@ -18,7 +18,7 @@ from graphos_py.translation import tr
 if TYPE_CHECKING:
     from graphos_py.views.cloud_view import CloudView
 
-ARROWS = 900
+ARROWS = 400
 """Residual vectors drawn at most, chosen evenly."""
 
 

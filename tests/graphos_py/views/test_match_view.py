@@ -129,3 +129,18 @@ def test_a_pair_without_matches_is_shown(view: MatchView, photo: np.ndarray) -> 
     view.set_pair(photo, photo, np.zeros((0, 2)), np.zeros((0, 2)), none)
     view.grab()
     assert view.residuals is None
+
+
+def test_both_photos_stay_whole_when_the_view_changes_its_size(qtbot: QtBot, photo: np.ndarray) -> None:
+    view = MatchView()
+    qtbot.addWidget(view)
+    view.resize(900, 300)
+    view.show()
+    view.set_pair(photo, photo, np.array([[10.0, 10.0]] * 5), np.array([[200.0, 150.0]] * 5))
+    for size in ((900, 300), (400, 900), (700, 500)):
+        view.resize(*size)
+        qtbot.wait(20)
+        for canvas in view.canvases:
+            assert canvas.fitted
+            assert (canvas.visible().width(), canvas.visible().height()) == (400, 300)
+    assert view.canvases[0].zoom == view.canvases[1].zoom

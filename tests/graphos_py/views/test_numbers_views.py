@@ -194,3 +194,9 @@ def test_axis_values_below_one_are_true_in_every_plot_not_only_in_the_first(qtbo
             axis = view.plot.getAxis(side)
             values = [0.1, 0.2, 0.3]
             assert axis.tickStrings(values, axis.autoSIPrefixScale * axis.scale, 0.1) == ["0.1", "0.2", "0.3"]
+
+
+def test_a_column_with_fixed_decimals_can_be_compared_at_a_glance() -> None:
+    column = Column("dX", [-0.26134, 12345.678, 0.0], "mm", decimals=2)
+    shown = [column.text(row).replace(THIN_SPACE, " ") for row in range(3)]
+    assert shown == ["−0.26", "12 345.68", "0.00"]

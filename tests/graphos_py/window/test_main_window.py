@@ -118,6 +118,37 @@ def test_a_running_step_can_be_stopped_within_a_second(qtbot, window, project_fo
     assert bar.run_button.isVisible()
 
 
+def test_a_step_inside_one_long_call_is_left_alone_and_the_next_run_waits_for_it(
+    qtbot, window, project_folder, monkeypatch
+):
+    open_project(qtbot, window, project_folder)
+    calls = []
+
+    def deaf(self, stage, run, with_earlier=True):
+        calls.append(stage)
+        if len(calls) == 1:
+            time.sleep(1.8)
+        return f"result {len(calls)}"
+
+    monkeypatch.setattr("graphos_core.pipeline.Pipeline.run", deaf)
+    window.show_tab("features")
+    window.session.run("preprocessing")
+    qtbot.wait(100)
+    started = time.monotonic()
+    window.session.stop()
+    qtbot.waitUntil(lambda: window.session.running is None, timeout=1500)
+    assert time.monotonic() - started < 1.0
+    assert "preprocessing" not in window.session.results
+    window.session.run("preprocessing")
+    assert window.session.running == "preprocessing"
+    with qtbot.waitSignal(window.session.results_changed, timeout=5000):
+        pass
+    assert window.session.results["preprocessing"] == "result 2"
+    assert time.monotonic() - started > 1.6, "two runs never compute at once"
+    window.session.stop()
+    qtbot.waitUntil(lambda: not window.jobs.running, timeout=5000)
+
+
 def test_closing_during_a_run_asks_and_may_be_refused(qtbot, window, project_folder, monkeypatch):
     open_project(qtbot, window, project_folder)
 
