@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import io
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -145,8 +145,12 @@ def _look(path: Path, content: bytes, image: Image.Image) -> PhotoFile | ItemFai
         image.load()
     else:
         image.load()
-        if decode(np.frombuffer(content, dtype=np.uint8)) is None:
+        pixels = decode(np.frombuffer(content, dtype=np.uint8))
+        if pixels is None:
             return fail(Text("It is packed in a way that is not supported; save it again without options."))
+        height, width = pixels.shape[:2]
+    if image.format == "TIFF":  # `decode` gives it upright: TIFF's orientation says how its rows are stored
+        exif = replace(exif, orientation=1)
     if exif.orientation >= 5:
         width, height = height, width
     digest = hashlib.sha256(content).hexdigest()
@@ -164,7 +168,10 @@ def _bits(content: bytes, image: Image.Image) -> int:
 
 
 def decode(content: Array) -> Array | None:
-    """Return the pixels of a file's bytes, uint8 or uint16 (h, w) or (h, w, 3) RGB, as stored; None if impossible."""
+    """Return the pixels of a file's bytes, uint8 or uint16 (h, w) or (h, w, 3) RGB; None if impossible.
+
+    Rows as stored in JPEG and PNG; OpenCV always turns TIFF upright.
+    """
     if content.size == 0:
         return None
     pixels = cv2.imdecode(content, cv2.IMREAD_UNCHANGED | cv2.IMREAD_IGNORE_ORIENTATION)

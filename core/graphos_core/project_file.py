@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import shutil
 import tomllib
@@ -93,6 +94,8 @@ def copy_control(source: Path, folder: Path) -> str:
     beside = source.with_name(f"{source.stem}_measurements{source.suffix}")
     if beside.is_file():
         pairs.append((beside, "control_measurements" + source.suffix.lower()))
+    else:  # measurements of an earlier control file belong to that file
+        (folder / f"control_measurements{source.suffix.lower()}").unlink(missing_ok=True)
     for origin, name in pairs:
         if origin.resolve() != (folder / name).resolve():
             try:
@@ -108,11 +111,16 @@ def check_settings(settings: Settings) -> None:
         raise ParamError(
             "focal_px", Text("Principal distance: {v} px, needs 1 to 1000000", v=settings.focal_px)
         )
+    if settings.principal_point is not None and not all(abs(v) <= 1e6 for v in settings.principal_point):
+        raise ParamError(
+            "principal_point",
+            Text("Principal point: {v} px, needs two numbers within ±1000000", v=settings.principal_point),
+        )
     if not 0 <= settings.seed < 2**31:
         raise ParamError(
             "seed", Text("Seed: {v}, needs a whole number from 0 to 2147483647", v=settings.seed)
         )
-    if settings.distance is not None and not settings.distance[2] > 0:
+    if settings.distance is not None and not 0 < settings.distance[2] < math.inf:
         raise ParamError("distance", Text("Known distance: {v} m, needs more than 0", v=settings.distance[2]))
 
 
@@ -150,7 +158,7 @@ def read_settings(folder: Path) -> Settings:
         files = tuple(_plain_name(n) for n in photos.get("files", ()))
         distance = known.get("distance")
         point = camera.get("principal_point")
-        return Settings(
+        found = Settings(
             name=str(document["name"]),
             photos=str(photos["folder"]),
             files=files,
@@ -162,13 +170,18 @@ def read_settings(folder: Path) -> Settings:
             distance=None if not distance else (str(distance[0]), str(distance[1]), float(distance[2])),
             reference=str(known.get("reference", "")),
         )
+        if "\0" in found.photos + found.control + found.reference:
+            raise ValueError("a path has a character that no path can have")
+        check_settings(found)
+        return found
     except FileNotFoundError as problem:
         raise UserError(
             Text("{folder} is not a GRAPHOS project.", folder=folder),
             "It has no project.toml.",
             "Choose a project folder, or make a new project from a folder of photos.",
         ) from problem
-    except (OSError, KeyError, TypeError, ValueError, IndexError) as problem:
+    except (OSError, KeyError, TypeError, ValueError, IndexError, AttributeError, OverflowError, RecursionError,
+            ParamError) as problem:  # fmt: skip
         raise UserError(
             Text("The project in {folder} cannot be read.", folder=folder),
             Text("project.toml is damaged: {why}.", why=problem),

@@ -229,7 +229,7 @@ class Recipe:
         """Read a recipe from TOML text; see `load` for what is raised."""
         try:
             document = tomllib.loads(text)
-        except tomllib.TOMLDecodeError as problem:
+        except (tomllib.TOMLDecodeError, RecursionError) as problem:
             raise UserError(
                 "The recipe is not valid TOML.", Text("{why}.", why=problem), "Correct that line."
             ) from problem

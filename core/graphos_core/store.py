@@ -16,6 +16,7 @@ import shutil
 import time
 import uuid
 import zipfile
+import zlib
 from collections import OrderedDict
 from collections.abc import Mapping
 from pathlib import Path
@@ -32,6 +33,18 @@ KEPT = 16
 
 FORMAT = 1
 """Raised when the layout of a stored result changes; other versions are not read."""
+
+UNREADABLE = (
+    OSError,
+    ValueError,
+    KeyError,
+    TypeError,
+    MemoryError,
+    RecursionError,
+    zipfile.BadZipFile,
+    zlib.error,
+)
+"""What reading a damaged or hostile result raises: any nesting, any size it claims."""
 
 RECORDS.setdefault("ItemFailure", ItemFailure)
 
@@ -205,14 +218,14 @@ class Store:
         folder = self.path(stage, key)
         try:
             document = json.loads((folder / "result.json").read_text("utf-8"))
-            if document.get("format") != FORMAT:
+            if not isinstance(document, dict) or document.get("format") != FORMAT:
                 raise ValueError("another format")
             arrays: dict[str, Any] = {}
             if (folder / "arrays.npz").is_file():
                 with np.load(folder / "arrays.npz", allow_pickle=False) as loaded:
                     arrays = {name: loaded[name] for name in loaded.files}
             return _decode(document["value"], arrays)
-        except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as problem:
+        except UNREADABLE as problem:
             raise UserError(
                 Text("The stored {stage} result {key} cannot be read.", stage=stage, key=key),
                 Text("The files are incomplete or were made by another version ({why}).", why=problem),
@@ -222,10 +235,10 @@ class Store:
     def about(self, stage: str, key: str) -> dict[str, Any]:
         """Return what produced a result; empty when unreadable."""
         try:
-            found: dict[str, Any] = json.loads((self.path(stage, key) / "about.json").read_text("utf-8"))
-        except (OSError, ValueError):
+            found = json.loads((self.path(stage, key) / "about.json").read_text("utf-8"))
+        except (OSError, ValueError, RecursionError):
             return {}
-        return found
+        return found if isinstance(found, dict) else {}
 
     def size(self, stage: str, key: str) -> int:
         """Return the bytes a result takes on disk."""

@@ -10,6 +10,7 @@ from PIL import Image
 
 from graphos_core.errors import ParamError, UserError
 from graphos_core.project import PhotosMoved, Project
+from graphos_core.recipe import Recipe
 
 
 @pytest.fixture
@@ -95,3 +96,37 @@ def test_a_folder_that_is_no_project_is_a_sentence(tmp_path: Path) -> None:
 def test_a_senseless_principal_distance_is_refused(tmp_path: Path, photos: Path) -> None:
     with pytest.raises(ParamError, match="Principal distance"):
         Project.create(tmp_path / "p", photos, focal_px=-5.0)
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["focal_px = nan", "focal_px = -5.0", "principal_point = [inf, 0.0]"],
+)
+def test_impossible_values_in_a_strangers_project_are_refused(
+    tmp_path: Path, photos: Path, line: str
+) -> None:
+    Project.create(tmp_path / "p", photos)
+    file = tmp_path / "p" / "project.toml"
+    file.write_text(file.read_text("utf-8").replace("[camera]", f"[camera]\n{line}"), "utf-8")
+    with pytest.raises(UserError, match="cannot be read"):
+        Project.open(tmp_path / "p")
+
+
+def test_measurements_of_an_earlier_control_file_are_not_taken_for_the_new_one(
+    tmp_path: Path, photos: Path
+) -> None:
+    (tmp_path / "old.csv").write_text("name,x,y,z\nA,1,2,3\n")
+    (tmp_path / "old_measurements.csv").write_text("photo,name,x,y\nzwei.png,A,1,2\n")
+    (tmp_path / "new.csv").write_text("name,x,y,z\nA,1,2,3\n")
+    project = Project.create(tmp_path / "p", photos, control=tmp_path / "old.csv")
+    assert project.control()[1] is not None
+    assert project.change(control=tmp_path / "new.csv").control()[1] is None
+
+
+def test_nesting_without_end_is_refused_and_not_a_fault(tmp_path: Path, photos: Path) -> None:
+    Project.create(tmp_path / "p", photos)
+    (tmp_path / "p" / "project.toml").write_text("schema = " + "[" * 9000 + "]" * 9000)
+    with pytest.raises(UserError, match="cannot be read"):
+        Project.open(tmp_path / "p")
+    with pytest.raises(UserError, match="not valid TOML"):
+        Recipe.from_toml("features = " + "[" * 9000 + "]" * 9000)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import errno
+import io
 import json
 import math
 import shutil
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -126,3 +128,25 @@ def test_writing_text_leaves_the_old_file_when_it_fails(
         write_text(path, "new")
     assert path.read_text() == "old"
     assert [p.name for p in tmp_path.iterdir()] == ["f.txt"]
+
+
+@pytest.mark.parametrize("text", ["[1]", '{"format":1,"value":' + "[" * 20000 + "]" * 20000 + "}"])
+def test_a_hostile_result_is_refused_in_a_sentence(tmp_path: Path, text: str) -> None:
+    store = Store(tmp_path)
+    store.save("x", "k", (1,), {})
+    (tmp_path / "x" / "k" / "result.json").write_text(text)
+    (tmp_path / "x" / "k" / "about.json").write_text("[1]")
+    with pytest.raises(UserError, match="cannot be read"):
+        store.load("x", "k")
+    assert store.about("x", "k") == {}
+
+
+def test_an_array_that_claims_more_than_the_memory_is_refused(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    store.save("x", "k", np.zeros(3), {})
+    header = io.BytesIO()
+    np.lib.format.write_array_header_1_0(header, {"descr": "<f8", "fortran_order": False, "shape": (10**13,)})
+    with zipfile.ZipFile(tmp_path / "x" / "k" / "arrays.npz", "w") as archive:
+        archive.writestr("a0.npy", header.getvalue())
+    with pytest.raises(UserError, match="cannot be read"):
+        store.load("x", "k")

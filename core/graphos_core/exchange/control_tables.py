@@ -24,7 +24,13 @@ COLUMNS = {
 }
 """Names a column may have in the header."""
 
-UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "dm": 1e-1, "km": 1e3, "px": 1.0, "pixel": 1.0, "": 1.0, "-": 1.0}
+LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "dm": 1e-1, "km": 1e3}
+"""Factor to metres."""
+
+PIXELS = {"px": 1.0, "pixel": 1.0}
+"""Factor to pixels."""
+
+UNITS = {**LENGTHS, **PIXELS, "": 1.0, "-": 1.0}
 """Factor to metres or pixels."""
 
 
@@ -63,6 +69,11 @@ class Table:
     def measurements(self) -> bool:
         """Whether these are image measurements."""
         return "photo" in self.columns
+
+    @property
+    def units(self) -> dict[str, float]:
+        """Units the coordinates of this kind of table may have."""
+        return PIXELS if self.measurements else LENGTHS
 
     def text(self, row: Row, column: str) -> str:
         """Return a cell without blanks around it; empty where the table or the row has none."""
@@ -120,6 +131,7 @@ def read_tables(path: Path) -> list[Table]:
                     Row(number, []),
                     Text("the header has no column {names}", names=" and no column ".join(missing)),
                 )
+            _check_units(table, number, _cells(line, guess))
             tables.append(table)
             continue
         if not tables:
@@ -132,6 +144,17 @@ def read_tables(path: Path) -> list[Table]:
         if tables[-1].rows or not _take_units(tables[-1], row):
             tables[-1].rows.append(row)
     return tables
+
+
+def _check_units(table: Table, line: int, header: list[str]) -> None:
+    """Refuse coordinates in a unit that is unknown, or of the other kind of table: never a silent factor."""
+    for column in "xyz":
+        unit = _title(header[table.columns[column]])[1] if column in table.columns else ""
+        if unit and unit not in table.units:
+            valid = ", ".join(table.units)
+            why = Text("the unit of {column} is “{unit}”, needs one of: {valid}", column=column, unit=unit[:20],
+                       valid=valid)  # fmt: skip
+            raise bad_line(table, Row(line, []), why)
 
 
 def bad_line(table: Table, row: Row, why: str) -> UserError:
@@ -191,7 +214,7 @@ def _title(cell: str) -> tuple[str, str]:
 def _take_units(table: Table, row: Row) -> bool:
     """Take a row of units directly below the header; say whether it was one."""
     units = {c: table.text(row, c).strip("[]() ").casefold() for c in "xyz" if c in table.columns}
-    if not all(unit in UNITS and unit for unit in units.values()):
+    if not all(unit in table.units for unit in units.values()):
         return False
-    table.factors.update({column: UNITS[unit] for column, unit in units.items()})
+    table.factors.update({column: table.units[unit] for column, unit in units.items()})
     return True

@@ -251,6 +251,11 @@ def _text_table(lines: list[str], element: Element) -> Array:
         values = values.reshape(len(lines), -1)[:, : len(element.properties)]
         table = np.empty(len(lines), dtype=[(p.name, p.kind) for p in element.properties])
         for i, prop in enumerate(element.properties):
+            kind = np.dtype(prop.kind)
+            if kind.kind != "f":
+                limits = np.iinfo(kind)
+                if not ((values[:, i] >= limits.min) & (values[:, i] <= limits.max)).all():
+                    raise ValueError(prop.name)
             table[prop.name] = values[:, i]
         return table
     rows = []
@@ -278,7 +283,7 @@ def _triangles(faces: Array, vertices: int, name: str) -> Array:
     else:
         found = [[c[0], c[i], c[i + 1]] for c in corners for i in range(1, len(c) - 1)]
         triangles = np.array(found, dtype=np.float64).reshape(-1, 3)
-    if len(triangles) and (triangles.min() < 0 or triangles.max() >= vertices):
+    if not ((triangles >= 0) & (triangles < vertices)).all():  # not a number fails too
         raise _refused(
             name, Text("a face refers to a vertex that does not exist; there are {count}", count=vertices)
         )

@@ -73,6 +73,10 @@ def test_large_coordinates_get_a_local_origin_that_loses_nothing(tmp_path: Path)
         ("name,x,y,z,role\nA,1,2,3,hero\n", "line 2.*neither control nor check"),
         ("photo,name,x,y\na.jpg,A,1,2\na.jpg,A,1,2\n", "line 3.*measured twice"),
         ("photo,name,x,y\n,A,1,2\n", "line 2.*photo is missing"),
+        ("name,x [ft],y [ft],z [ft]\nA,1,2,3\n", "line 1.*unit of x is “ft”"),
+        ("name,x,y,z [px]\nA,1,2,3\n", "line 1.*unit of z is “px”"),
+        ("photo,name,x [mm],y [mm]\na.jpg,A,1,2\n", "line 1.*unit of x is “mm”"),
+        ("photo,name,x,y\n-,-,mm,mm\na.jpg,A,1,2\n", "line 2.*x is “mm”, not a number"),
     ],
 )
 def test_a_bad_line_is_named(tmp_path: Path, text: str, said: str) -> None:

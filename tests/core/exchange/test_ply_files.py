@@ -94,6 +94,8 @@ HEAD = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty floa
         (HEAD.replace("ascii", "binary_little_endian").replace("vertex 1", "vertex 1999999999") + "end_header\n", "ends before"),
         (HEAD + "element face 1\nproperty list uchar int vertex_indices\nend_header\n1 2 3\n3 0 0 7\n", "does not exist"),
         (HEAD + "element face 1\nproperty list uchar int vertex_indices\nend_header\n1 2 3\n9 0 0 0\n", "not made of numbers"),
+        (HEAD + "element face 1\nproperty list uchar float vertex_indices\nend_header\n1 2 3\n3 nan nan nan\n", "does not exist"),
+        (HEAD + "property uchar red\nend_header\n1 2 3 300\n", "not made of numbers"),
     ],
 )  # fmt: skip
 def test_a_damaged_file_is_refused_with_the_reason(tmp_path: Path, content: str, why: str) -> None:

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, ImageOps
 
 from graphos_core.errors import UserError
 from graphos_core.images import read_photo_set, read_pixels
@@ -63,6 +63,20 @@ def test_pixels_come_back_as_stored_in_every_depth_and_channel_count(tmp_path: P
     luma = rgb @ np.array([0.299, 0.587, 0.114])
     assert np.abs(read_pixels(found["rgb.png"], grey=True) - luma).max() <= 0.51
     assert read_pixels(found["deep.png"], grey=True).dtype == np.uint16
+
+
+@pytest.mark.parametrize("orientation", range(1, 9))
+@pytest.mark.parametrize("ending", ["tif", "png"])
+def test_every_orientation_flag_is_respected_in_tiff_and_png(
+    tmp_path: Path, orientation: int, ending: str
+) -> None:
+    path = tmp_path / f"a.{ending}"
+    save(path, picture(), exif=exif_bytes(orientation))
+    (photo,) = read_photo_set(tmp_path, run=RUN).photos
+    with Image.open(path) as image:
+        upright = np.asarray(ImageOps.exif_transpose(image))
+    assert (photo.height, photo.width) == upright.shape[:2]
+    assert np.array_equal(read_pixels(photo), upright)
 
 
 @pytest.mark.parametrize("orientation", range(1, 9))
