@@ -21,6 +21,7 @@ if not os.environ.get("DISPLAY"):
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
 if TYPE_CHECKING:
+    from PIL.Image import Image
     from PySide6.QtWidgets import QWidget
 
     from graphos_py.main_window import MainWindow
@@ -111,14 +112,28 @@ def save(widget: QWidget, path: Path) -> None:
     buffer.open(QBuffer.OpenModeFlag.WriteOnly)
     widget.grab().save(buffer, "PNG")  # type: ignore[call-overload]
     image = Image.open(io.BytesIO(bytes(buffer.data().data()))).convert("RGB")
-    for colours in (0, 256, 128, 64, 48, 32):
-        small = image if not colours else image.quantize(colours, dither=Image.Dither.NONE)
+    for colours in (0, 256, 192, 128, 96, 64, 48):
+        small = image if not colours else _fewer_colours(image, colours)
         packed = io.BytesIO()
         small.save(packed, "PNG", optimize=True)
         if packed.tell() <= LIMIT_BYTES:
             break
     path.write_bytes(packed.getvalue())
     print(f"{path.name}: {packed.tell() // 1000} kB, {colours or 'all'} colours", flush=True)
+
+
+def _fewer_colours(image: Image, colours: int) -> Image:
+    """Return a picture with a palette that holds the theme's colours too, which are rare and would be lost."""
+    from PIL import Image
+
+    from graphos_py.theme import theme
+
+    names = ("good", "accent", "warn", "bad", "text", "muted", "on_accent", "selected")
+    own = [part for name in names for part in theme().colour(name).getRgb()[:3]]
+    found = image.quantize(colours - len(names), dither=Image.Dither.NONE).getpalette() or []
+    palette = Image.new("P", (1, 1))
+    palette.putpalette([*found[: 3 * (colours - len(names))], *own])
+    return image.quantize(palette=palette, dither=Image.Dither.NONE)
 
 
 def draw(window: MainWindow, pictures: list[Picture], out: Path, theme: str, all_themes: bool) -> None:

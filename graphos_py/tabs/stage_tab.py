@@ -55,6 +55,9 @@ class StageTab(QWidget):
         self.stack = QStackedWidget()
         self.stack.addWidget(self.empty_state)
         self.stack.addWidget(self.views)
+        self.stack.setMinimumWidth(
+            320
+        )  # not what the widest page would like: the Explain panel stays in sight
         splitter = QSplitter(Qt.Orientation.Horizontal)
         splitter.setChildrenCollapsible(False)
         splitter.addWidget(self.panel)

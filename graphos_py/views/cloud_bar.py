@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QSlider, QToolButton, QWidget
 
 from graphos_py.views.cloud_scene import RGB, CloudScene
@@ -48,7 +49,7 @@ class CloudBar(QWidget):
         self._row.addWidget(fit)
 
     def _add_size(self) -> None:
-        label = QLabel(self.tr("Point size"))
+        label = self._size_label = QLabel(self.tr("Point size"))
         self.size_slider = QSlider(Qt.Orientation.Horizontal)
         self.size_slider.setRange(1, 10)
         self.size_slider.setValue(2)
@@ -59,6 +60,24 @@ class CloudBar(QWidget):
         label.setBuddy(self.size_slider)
         self._row.addWidget(label)
         self._row.addWidget(self.size_slider)
+
+    def minimumSizeHint(self) -> QSize:
+        """Allow narrow views: what matters least is hidden there."""
+        return QSize(160, super().minimumSizeHint().height())
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Hide what there is no room for, the point size first."""
+        super().resizeEvent(event)
+        self._fit_width()
+
+    def _fit_width(self) -> None:
+        spare = (self._size_label, self.size_slider, self.grid, self.shading)
+        for widget in spare:
+            widget.show()
+        for widget in spare:
+            if self._row.minimumSize().width() <= self.width():
+                break
+            widget.hide()
 
     def _toggle(self, text: str, tip: str, on: bool) -> QToolButton:
         button = QToolButton()
@@ -89,4 +108,5 @@ class CloudBar(QWidget):
         self.modes.blockSignals(False)
         self.cameras.setVisible(bool(len(scene.centres)))
         self.photos.setVisible(bool(scene.thumbnails))
+        self._fit_width()
         return chosen
