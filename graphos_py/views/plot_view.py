@@ -125,7 +125,9 @@ class PlotView(QWidget):
             self._mark(median + nmad, 2, 1.5, dash=True)
             self.plot.plot([], [], pen=self._pen(2, 2), name=name)
         self._axes(label, unit, self.tr("count"), "")
-        self.plot.setYRange(0.0, 1.35 * float(counts.max()), padding=0.0)  # room for the legend
+        legend = 4.5 * self.fontMetrics().height()  # two lines and their margins stay free
+        room = float(np.clip(self.height() / max(self.height() - 1.5 * legend, 1.0), 1.35, 2.2))
+        self.plot.setYRange(0.0, room * float(counts.max()), padding=0.0)
         self._keep(
             [f"{label} from [{unit}]", f"{label} to [{unit}]", "count"], [edges[:-1], edges[1:], counts]
         )
