@@ -56,7 +56,7 @@ def build_parser() -> argparse.ArgumentParser:
         "source", type=Path, metavar="PHOTOS_OR_PROJECT", help="folder of photos, or of a project"
     )
     run.add_argument("--out", type=Path, required=True, help="folder for results; it becomes the project")
-    run.add_argument("--recipe", type=Path, help="recipe file (TOML)")
+    run.add_argument("--recipe", type=Path, help="recipe file (TOML); of a project that of its last run")
     run.add_argument(
         "--set", action="append", default=[], metavar="ROOM.ALGORITHM.PARAMETER=VALUE", dest="assignments",
         help="set a parameter, or choose an algorithm with ROOM.ROLE=ALGORITHM; may be repeated",

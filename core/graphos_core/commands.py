@@ -17,7 +17,7 @@ from graphos_core.outputs import check_writable, write_outputs
 from graphos_core.params import unknown_name
 from graphos_core.pipeline import Pipeline
 from graphos_core.project import Project
-from graphos_core.project_file import FILE
+from graphos_core.project_file import FILE, read_settings
 from graphos_core.recipe import Recipe
 from graphos_core.registry import STAGES, Algorithm, Stage
 from graphos_core.report import build_report
@@ -68,7 +68,7 @@ def run_pipeline(pipeline: Pipeline, until: Stage, progress: Run) -> Path:
 
 
 def _recipe(options: argparse.Namespace) -> Recipe:
-    recipe = Recipe.load(options.recipe) if options.recipe else Recipe.default()
+    recipe = Recipe.load(options.recipe) if options.recipe else _recipe_of(options.source)
     if options.seed is not None:
         recipe = recipe.with_seed(options.seed)
     if options.calibration is not None:
@@ -79,6 +79,15 @@ def _recipe(options: argparse.Namespace) -> Recipe:
     for assignment in options.assignments:
         recipe = recipe.set(assignment)
     return recipe
+
+
+def _recipe_of(source: Path) -> Recipe:
+    """Return the recipe of a project's last run, or the default one with its seed; for photos the default."""
+    folder = source.parent if source.name == FILE else source
+    if not (folder / FILE).is_file():
+        return Recipe.default()
+    last = folder / "recipe.toml"
+    return Recipe.load(last) if last.is_file() else Recipe.default(read_settings(folder).seed)
 
 
 def _project(options: argparse.Namespace, seed: int, progress: Run) -> Project:

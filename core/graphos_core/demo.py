@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from pathlib import Path
 
@@ -37,7 +38,7 @@ def run_demo(out: Path, photos: int, progress: Run) -> list[tuple[str, str]]:
     """
     rows = []
     started = time.perf_counter()
-    if not (out / "simulation" / "truth" / "cameras.json").exists():
+    if not is_simulated(out / "simulation", photos, progress.seed):
         progress.say(Text("Simulating {n} photos of a façade, with known truth …", n=photos))
         simulate_photos("facade", out / "simulation", seed=progress.seed, photos=photos, run=progress)
     simulated = time.perf_counter() - started
@@ -59,6 +60,15 @@ def run_demo(out: Path, photos: int, progress: Run) -> list[tuple[str, str]]:
     rows.append(("Peak memory", f"{memory:.0f} MB" if memory is not None else "not told by this system"))
     rows.append(("Report", str(folder.parent.parent / "report.html")))
     return rows
+
+
+def is_simulated(folder: Path, photos: int, seed: int) -> bool:
+    """Say whether a folder holds a complete block of so many photos made with this seed."""
+    try:
+        index = json.loads((folder / "truth" / "cameras.json").read_text("utf-8"))
+        return bool(index["seed"] == seed and len(index["photos"]) == photos)
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
 
 
 def truth_rows(block: Block, cloud: Cloud | None, truth: Truth) -> list[tuple[str, str]]:

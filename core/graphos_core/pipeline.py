@@ -19,6 +19,7 @@ from graphos_core import __version__
 from graphos_core.data import PhotoSet
 from graphos_core.errors import UserError
 from graphos_core.project import Project
+from graphos_core.project_file import inside
 from graphos_core.recipe import Recipe
 from graphos_core.registry import STAGES, Stage
 from graphos_core.run import Run
@@ -129,7 +130,7 @@ class Pipeline:
         if stage == "preprocessing":
             folder = self.project.store.path("images", keys["images"])
             found = load("images", keys["images"])
-            return replace(found, files=tuple(str(folder / name) for name in found.files))
+            return replace(found, files=tuple(str(inside(folder, name)) for name in found.files))
         if stage == "features":
             found = load("matches", keys["matches"])
             return replace(found, features=load("keypoints", keys["keypoints"]))

@@ -16,12 +16,14 @@ import cv2
 import numpy as np
 
 from graphos_core.data import Array, Block, Cloud, Features, PhotoSet
-from graphos_core.errors import ItemFailure, UserError
+from graphos_core.errors import UserError
 from graphos_core.images import read_pixels
 from graphos_core.number_format import format_value
 from graphos_core.preprocessing.grey import eight_bit
+from graphos_core.project_file import inside
 from graphos_core.registry import Stage
 from graphos_core.run import Run, each
+from graphos_core.store import cannot_write
 from graphos_core.text import Text
 
 if TYPE_CHECKING:
@@ -77,7 +79,7 @@ def photo_grey_and_colour(pipeline: Pipeline, index: int) -> tuple[Array, Array]
 
 def files_path(pipeline: Pipeline, name: str) -> Path:
     """Return the path of a file that belongs to the preprocessing result."""
-    return pipeline.project.store.path("images", pipeline.key("images")) / name
+    return inside(pipeline.project.store.path("images", pipeline.key("images")), name)
 
 
 def _images(pipeline: Pipeline, folder: Path, run: Run) -> Any:
@@ -87,7 +89,6 @@ def _images(pipeline: Pipeline, folder: Path, run: Run) -> Any:
     if not chain:
         return PreprocessingResult()
     files: list[str] = []
-    failures: list[ItemFailure] = []
     for index, photo in enumerate(each(run, pipeline.photos.photos, "photos")):
         image = read_pixels(photo)
         for algorithm, params in chain:
@@ -96,11 +97,15 @@ def _images(pipeline: Pipeline, folder: Path, run: Run) -> Any:
         name = f"{index:05d}.png"
         done, encoded = cv2.imencode(".png", image if image.ndim == 2 else image[:, :, ::-1])
         if not done:
-            failures.append(ItemFailure(photo.name, "The filtered image could not be encoded."))
-        (folder / name).write_bytes(encoded.tobytes())
+            raise UserError(Text("The filtered image of {name} could not be encoded.", name=photo.name),
+                            todo="Run preprocessing with other parameters.")  # fmt: skip
+        try:
+            (folder / name).write_bytes(encoded.tobytes())
+        except OSError as problem:
+            raise cannot_write(Path(f"The filtered image of {photo.name}"), problem) from problem
         files.append(name)
         run.show("image", (index, image))
-    return PreprocessingResult(files=tuple(files), failures=tuple(failures))
+    return PreprocessingResult(files=tuple(files))
 
 
 def _keypoints(pipeline: Pipeline, folder: Path, run: Run) -> tuple[Features, ...]:

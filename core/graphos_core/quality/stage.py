@@ -44,7 +44,13 @@ def assess(pipeline: Any, run: Run) -> QualityResult:
     if path is not None and oriented.georeference.method == "none":
         sentences = (*sentences, Text(
             "The reference was not compared: the model has no scale and position yet. Georeference it by control "
-            "points or a known distance first."))  # fmt: skip
+            "points first."))  # fmt: skip
+    elif path is not None and not is_placed(
+        oriented.georeference, pipeline.recipe.algorithm("quality", "registration")[0].name
+    ):
+        sentences = (*sentences, Text(
+            "The reference was not compared: a known distance gives the model its scale, not its position. "
+            "Georeference it by control points, or choose the registration by closest points."))  # fmt: skip
     elif path is not None:
         run.check()
         comparison = compare_with(
@@ -54,6 +60,11 @@ def assess(pipeline: Any, run: Run) -> QualityResult:
         )  # fmt: skip
     run.progress(3, 3, "quality figures")
     return QualityResult(figures=figures, advice=sentences, comparison=comparison)
+
+
+def is_placed(georeference: Georeference, registration: str) -> bool:
+    """Say whether the model is where the reference is, or is moved there by the registration."""
+    return georeference.method == "control points" or registration != "placed"
 
 
 def compare_with(

@@ -76,8 +76,11 @@ def test_a_shift_from_the_reference_in_the_control_frame_is_measured(tmp_path: P
     assert "placed by control" in found.comparison.definition
 
 
-def test_a_model_without_scale_is_not_compared_and_the_reason_is_said(tmp_path: Path) -> None:
-    found = assess(made(tmp_path, method="none", with_reference=True), Run())
+@pytest.mark.parametrize("method", ["none", "known distance"])
+def test_a_model_that_is_not_where_the_reference_is_is_not_compared_and_the_reason_is_said(
+    tmp_path: Path, method: str
+) -> None:
+    found = assess(made(tmp_path, method=method, with_reference=True), Run())
     assert found.comparison is None
     assert any("not compared" in sentence for sentence in found.advice)
 
