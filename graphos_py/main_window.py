@@ -228,10 +228,19 @@ class MainWindow(QMainWindow):
             getattr(tab, what)(name)
 
     def _try(self, name: str, values: dict[str, object]) -> None:
+        """Set parameters of an algorithm, and choose it where it is not in use."""
+        from graphos_core.registry import algorithms
+
         recipe = self.session.recipe
-        for stage in STAGES:
-            if recipe is not None and name in self.stage_tab(stage).panel.boxes:
-                self.session.set_params(stage, name, recipe.params(stage, name).replace(**values))
+        found = next((a for a in algorithms() if a.name == name), None)
+        if recipe is None or found is None:
+            return
+        stage = found.stage
+        if name not in recipe.chosen(stage, found.role):
+            self.session.choose(stage, found.role, (name,))
+        self.session.set_params(stage, name, recipe.params(stage, name).replace(**values))
+        label = tr(STAGE_LABELS[stage])
+        self.messages.add("info", tr("Set. Run {stage} and compare with the result before.", stage=label))
 
     # --------------------------------------------------------------------------------------------- running
 

@@ -60,14 +60,15 @@ def full_name(algorithm: Algorithm) -> str:
 def explain_algorithm(algorithm: Algorithm) -> Explanation:
     """Explain an algorithm."""
     lesson = lesson_about(algorithm)
+    own = lesson if lesson and lesson.algorithm in ("", full_name(algorithm)) else None
     return Explanation(
         title=algorithm.label,
         what=algorithm.summary,
-        formula=lesson.formula if lesson else "",
+        formula=own.formula if own else "",
         effect="",
         facts=(),
-        fails=lesson.fails if lesson else "",
-        trials=lesson.trials if lesson and lesson.algorithm == full_name(algorithm) else (),
+        fails=own.fails if own else "",
+        trials=own.trials if own else (),
         source=algorithm.source,
         lesson=lesson.name if lesson else "",
         simulator=lesson.simulator if lesson else "",

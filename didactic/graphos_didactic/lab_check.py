@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from graphos_core.pipeline import Pipeline
+from graphos_core.registry import Stage
 from graphos_core.simulation.truth import Truth
 from graphos_core.text import Text
 from graphos_didactic.lab_figures import FIGURES, Figure
@@ -13,6 +14,16 @@ from graphos_didactic.labs import Lab, Step
 
 COARSEST = 0.05
 """Share of a value that the rounding of an answer may be off at most, so that “0” is not right for everything small."""
+
+
+STAGE_NAMES: dict[Stage, str] = {
+    "preprocessing": "Preprocessing",
+    "features": "Features",
+    "adjustment": "Bundle adjustment",
+    "dense": "Dense matching",
+    "quality": "Quality control",
+}
+NO_NUMBER = "Type a number alone, without words; for example 12.3."
 
 
 @dataclass(frozen=True)
@@ -55,7 +66,7 @@ def check(step: Step, answer: str, pipeline: Pipeline, truth: Truth | None) -> O
     if step.kind == "predict":
         number = parse_number(answer)
         if number is None:
-            return Outcome(False, "Type a number.")
+            return Outcome(False, NO_NUMBER)
         return Outcome(True, "Kept; you will compare it with the result later.")
     if step.kind == "do":
         return _check_do(step, pipeline, truth)
@@ -65,10 +76,13 @@ def check(step: Step, answer: str, pipeline: Pipeline, truth: Truth | None) -> O
     return _check_measure(figure, answer) if step.kind == "measure" else _check_compare(figure)
 
 
-def parse_number(text: str) -> float | None:
-    """Return the number a student typed, with a decimal point or comma; None when it is none."""
+def parse_number(text: str, unit: str = "") -> float | None:
+    """Return the number a student typed, with a decimal point or comma, and `unit` or not; None when it is none."""
+    plain = text.strip().removesuffix(unit) if unit else text.strip()
+    for written, meant in ((",", "."), ("−", "-"), ("\u2009", ""), ("\u00a0", ""), ("\u202f", ""), (" ", "")):
+        plain = plain.replace(written, meant)
     try:
-        number = float(text.strip().replace(",", ".").replace("\u2009", "").replace(" ", ""))
+        number = float(plain)
     except ValueError:
         return None
     return number if math.isfinite(number) else None
@@ -81,15 +95,16 @@ def rounding(text: str) -> float:
 
 
 def _check_do(step: Step, pipeline: Pipeline, truth: Truth | None) -> Outcome:
-    assert step.stage is not None
+    assert step.stage is not None and step.stage != "images"
     if pipeline.result(step.stage) is None:
         state = pipeline.state(step.stage)
         return Outcome(
-            False, Text("{stage} is not finished: {line}.", stage=step.stage.capitalize(), line=state.line)
+            False, Text("{stage} is not finished: {line}.", stage=STAGE_NAMES[step.stage], line=state.line)
         )
     figure = figure_of(step, pipeline, truth)
     if figure is not None:
-        shown = f"{figure.label}: {figure.value:g} {figure.unit}".strip()
+        digits = ".0f" if abs(figure.value) >= 1000 else ".3g"
+        shown = f"{figure.label}: {figure.value:{digits}} {figure.unit}".strip()
         if step.at_least is not None and figure.value < step.at_least:
             return Outcome(
                 False, Text("{shown}, at least {limit:g} needed.", shown=shown, limit=step.at_least)
@@ -99,19 +114,27 @@ def _check_do(step: Step, pipeline: Pipeline, truth: Truth | None) -> Outcome:
                 False, Text("{shown}, at most {limit:g} allowed.", shown=shown, limit=step.at_most)
             )
         return Outcome(True, shown + ".")
-    return Outcome(True, pipeline.state(step.stage).line)
+    return Outcome(
+        True,
+        Text("{stage} is done: {line}.", stage=STAGE_NAMES[step.stage], line=pipeline.state(step.stage).line),
+    )
 
 
 def _check_measure(figure: Figure, answer: str) -> Outcome:
-    number = parse_number(answer)
+    number = parse_number(answer, figure.unit)
     if number is None:
-        return Outcome(False, "Type a number.")
-    tolerance = max(3.0 * figure.sigma, min(rounding(answer), COARSEST * abs(figure.value)))
+        return Outcome(False, NO_NUMBER)
+    typed = answer.strip().removesuffix(figure.unit).strip()
+    tolerance = max(3.0 * figure.sigma, min(rounding(typed), COARSEST * abs(figure.value)))
     difference = number - figure.value
-    text = Text(
-        "difference {d:+.3g} {unit}, allowed ±{t:.2g} {unit}", d=difference, unit=figure.unit, t=tolerance
-    )
-    return Outcome(abs(difference) <= tolerance * (1 + 1e-9), text)
+    allowed = Text("allowed ±{t:.2g} {unit}", t=tolerance, unit=figure.unit)
+    if abs(difference) <= tolerance * (1 + 1e-9):
+        text = Text(
+            "Right: difference {d:+.2g} {unit}, {allowed}.", d=difference, unit=figure.unit, allowed=allowed
+        )
+        return Outcome(True, text)
+    way = "Too large" if difference > 0 else "Too small"  # not by how much: that would be the answer
+    return Outcome(False, Text("{way}; {allowed}. Read the number once more.", way=way, allowed=allowed))
 
 
 def _check_compare(figure: Figure) -> Outcome:
@@ -120,8 +143,9 @@ def _check_compare(figure: Figure) -> Outcome:
     difference = figure.value - figure.truth
     ratio = abs(difference) / figure.sigma if figure.sigma > 0 else (0.0 if difference == 0 else float("inf"))
     text = Text(
-        "{label}: estimated {v:.6g}{unit}, true {t:.6g}{unit}; error {d:+.3g}{unit} = {r:.1f} σ",
+        "{label}: estimated {v:.6g}{unit}, true {t:.6g}{unit}; error {d:+.3g}{unit} = {r:.1f} σ: {verdict}",
         label=figure.label, v=figure.value, t=figure.truth, unit=f" {figure.unit}".rstrip(), d=difference, r=ratio,
+        verdict=Text("within 3 σ, as good as it claims.") if ratio <= 3.0 else Text("beyond 3 σ, worse than it claims."),
     )  # fmt: skip
     return Outcome(ratio <= 3.0, text)
 

@@ -102,11 +102,25 @@ class LabSession:
     def answer(self, index: int, text: str, pipeline: Pipeline) -> Outcome:
         """Judge and keep an answer; progress is saved at once."""
         outcome = check(self.lab.steps[index], text, pipeline, self.truth())
+        guess = self._prediction(index)
+        if guess is not None and outcome.passed:
+            outcome = Outcome(
+                True, Text("{result} You predicted {guess:g}.", result=outcome.text, guess=guess)
+            )
         self.answers[index] = text
         if outcome.passed:
             self.passed.add(index)
         self.save()
         return outcome
+
+    def _prediction(self, index: int) -> float | None:
+        """Return what was predicted earlier for the figure of a step that shows it now."""
+        steps = self.lab.steps
+        if steps[index].kind == "predict" or not steps[index].figure:
+            return None
+        earlier = (i for i in range(index) if steps[i].kind == "predict" and i in self.passed)
+        found = [i for i in earlier if steps[i].figure == steps[index].figure]
+        return parse_number(self.answers.get(found[-1], "")) if found else None
 
     def keep(self, index: int, text: str) -> None:
         """Keep what was typed; an answer changed after its check has to be checked again, predictions stay."""

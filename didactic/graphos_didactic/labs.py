@@ -23,6 +23,8 @@ A lab is a folder with ``lab.toml``::
 - **compare**: the figure against the truth of the simulated block; passes when they agree within three standard
   deviations;
 - **explain**: an answer in words, at least ``words`` long; the instructor reads it.
+
+Every other step can name a tab as its ``stage`` too, ``"images"`` included: the page then offers to go there.
 """
 
 from __future__ import annotations
@@ -79,7 +81,7 @@ class Step:
     title: str
     text: str
     figure: str = ""
-    stage: Stage | None = None
+    stage: Stage | Literal["images"] | None = None
     words: int = 0
     hints: tuple[str, ...] = ()
     at_least: float | None = None
@@ -176,8 +178,9 @@ def _step(lab: str, number: int, line: int, entry: dict[str, Any]) -> Step:
             raise wrong(Text("A step of kind {kind} needs “{key}”.", kind=kind, key=key))
     if entry.get("figure") and entry["figure"] not in FIGURES:
         raise wrong(unknown_name(entry["figure"], list(FIGURES), "figure"))
-    if entry.get("stage") and entry["stage"] not in STAGES:
-        raise wrong(unknown_name(entry["stage"], list(STAGES), "stage"))
+    places: list[str] = [*STAGES] if kind == "do" else ["images", *STAGES]
+    if entry.get("stage") and entry["stage"] not in places:
+        raise wrong(unknown_name(entry["stage"], places, "stage"))
     hints = tuple(entry.get("hints", ()))
     if not all(isinstance(hint, str) for hint in hints):
         raise wrong("Every hint is a text.")

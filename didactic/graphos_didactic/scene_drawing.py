@@ -210,11 +210,9 @@ def _draw_mark(mark: Mark, frame: Frame, canvas: Canvas, look: Look) -> None:
         case Line():
             _draw_line(mark, frame, canvas, look, colour)
         case Bars():
-            for low, high, value in zip(mark.edges[:-1], mark.edges[1:], mark.heights, strict=True):
-                if value == 0:
-                    continue
-                box = frame.to_canvas(np.array([[low, 0], [low, value], [high, value], [high, 0]]))
-                canvas.polygon(box, colour, mark.fill)
+            steps = np.repeat(np.asarray(mark.edges, dtype=float), 2)
+            tops = np.concatenate([[0.0], np.repeat(np.asarray(mark.heights, dtype=float), 2), [0.0]])
+            canvas.polygon(frame.to_canvas(np.stack([steps, tops], axis=1)), colour, mark.fill)
         case Points():
             _draw_points(mark, frame, canvas, look, colour)
         case Words():

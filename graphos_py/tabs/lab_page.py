@@ -24,7 +24,7 @@ from graphos_didactic.labs import Lab
 from graphos_py.icons import bind_icon, icon
 from graphos_py.session import Session
 from graphos_py.tabs.lab_start import LabStart
-from graphos_py.tabs.lab_step import LabStep
+from graphos_py.tabs.lab_step import LabStep, set_role
 from graphos_py.theme import theme
 from graphos_py.translation import tr
 
@@ -121,9 +121,10 @@ class LabPage(QWidget):
         )  # fmt: skip
         about.setProperty("role", "caption")
         self._begun = QVBoxLayout()
-        for widget in (goal, about, self.start):
+        for widget in (goal, about):
             self._column.addWidget(widget)
         self._column.addLayout(self._begun)
+        self._column.addWidget(self.start)
         self._column.addStretch(1)
         scroll.setWidget(page)
         self._list_begun()
@@ -131,14 +132,19 @@ class LabPage(QWidget):
 
     def _list_begun(self) -> None:
         """Offer the sessions that were begun before."""
-        for found in self.start.resumable():
+        resumable = self.start.resumable()
+        if resumable:
+            self._begun.addWidget(
+                QLabel(tr("Go on where you stopped, or start anew with another name below."))
+            )
+        for found in resumable:
             button = QPushButton(
                 tr("Go on: {student}, {done} of {total} steps done", student=found.student,
                    done=len(found.passed), total=len(self.lab.steps))
             )  # fmt: skip
-            button.setProperty("role", "link")
+            bind_icon(button, "run")
             button.clicked.connect(partial(self.start.prepare, found))
-            self._begun.addWidget(button)
+            self._begun.addWidget(button, 0, Qt.AlignmentFlag.AlignLeft)
 
     def _play(self) -> QWidget:
         page = QWidget()
@@ -216,6 +222,7 @@ class LabPage(QWidget):
         if student is None:
             return
         self.bar.setValue(len(student.passed))
+        set_role(self.hand_in, "primary" if student.current >= len(self.lab.steps) else "")
         self.placed.emit(tr("Lab “{title}”: {place}", title=tr(self.lab.title), place=self.where()))
         self.steps.blockSignals(True)
         self.steps.clear()

@@ -32,6 +32,7 @@ from graphos_py.theme import theme
 from graphos_py.translation import tr
 from graphos_py.views.lesson_view import LessonView
 
+PLACES: dict[str, str] = {"images": "Images", **{str(key): label for key, label in STAGE_LABELS.items()}}
 KIND_TEXTS = {
     "read": "Read",
     "predict": "Predict: a guess before you know; it is never marked wrong, and it stays as you give it",
@@ -103,8 +104,8 @@ class LabStep(QWidget):
         row = QHBoxLayout()
         for widget in (self.number, self.check_button, self.hint_button):
             row.addWidget(widget)
-        row.addStretch(1)
         row.addWidget(self.next_button)
+        row.addStretch(1)
         column.addLayout(row)
         for label in (self.result, self.hint_text):
             label.setWordWrap(True)
@@ -165,8 +166,8 @@ class LabStep(QWidget):
         kind = tr(KIND_TEXTS[step.kind])
         if step.kind == "explain":
             kind += " · " + tr("at least {n} words", n=step.words)
-        elif step.stage is not None:
-            kind += ": " + tr(STAGE_LABELS[step.stage])
+        elif step.kind == "do" and step.stage is not None:
+            kind += ": " + tr(PLACES[step.stage])
         self.kind.setText(kind)
         self.text.show_markdown(step.text)
         self.number.setText(student.answers.get(index, "") if step.kind != "explain" else "")
@@ -175,7 +176,7 @@ class LabStep(QWidget):
         self.words.blockSignals(False)
         self.result.clear()
         taken = student.hints.get(index, 0)
-        self.hint_text.setText("\n".join(tr(hint) for hint in step.hints[:taken]))
+        self._show_hints(taken)
         self._refresh()
 
     @Slot()
@@ -210,8 +211,7 @@ class LabStep(QWidget):
         student = self.student
         if student is not None:
             self._try(lambda: student.hint(self.index))
-            taken = student.hints.get(self.index, 0)
-            self.hint_text.setText("\n".join(tr(hint) for hint in self.step.hints[:taken]))
+            self._show_hints(student.hints.get(self.index, 0))
             self._refresh()
 
     def hand_in(self) -> None:
@@ -297,6 +297,14 @@ class LabStep(QWidget):
             self._refresh()
             self.check()
 
+    def _show_hints(self, taken: int) -> None:
+        self.hint_text.setText(
+            "\n".join(
+                tr("Hint {n}: {hint}", n=i + 1, hint=tr(hint))
+                for i, hint in enumerate(self.step.hints[:taken])
+            )
+        )
+
     def _fit_text(self) -> None:
         """Make the text no higher than it is, so that the answer stands right below it."""
         self.text.setFixedHeight(
@@ -349,14 +357,29 @@ class LabStep(QWidget):
             self.result.setText("✓ " + tr("Done."))
         self.go_button.setVisible(step.stage is not None)
         if step.stage is not None:
-            self.go_button.setText(tr("Go to {stage}", stage=tr(STAGE_LABELS[step.stage])))
+            self.go_button.setText(tr("Go to {stage}", stage=tr(PLACES[step.stage])))
         self.lesson_button.setVisible(bool(step.lesson))
         self.lesson_button.setText(tr("Read the lesson"))
         self.play_button.setVisible(bool(step.simulator))
         self.play_button.setText(tr("Open the simulator"))
+        passed = self.index in student.passed
+        over = student.current >= len(student.lab.steps)
+        self.next_button.setVisible((passed or step.kind != "read") and not over)
+        self.next_button.setText(tr("Next step") if passed else tr("Skip for now"))
+        set_role(self.next_button, "primary" if passed else "")
+        set_role(self.check_button, "" if passed else "primary")
+        self.check_button.setVisible(not (passed and step.kind in ("read", "predict")))
         left = len(step.hints) - student.hints.get(self.index, 0)
         self.hint_button.setVisible(bool(step.hints))
         self.hint_button.setEnabled(left > 0)
         self.hint_button.setText(
             tr("Hint") if left == len(step.hints) else tr("A stronger hint") if left else tr("No more hints")
         )
+
+
+def set_role(button: QPushButton, role: str) -> None:
+    """Dress a button anew; the one thing to do next is the filled one."""
+    if button.property("role") != role:
+        button.setProperty("role", role)
+        button.style().unpolish(button)
+        button.style().polish(button)

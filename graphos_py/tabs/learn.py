@@ -277,7 +277,8 @@ class LearnTab(QWidget):
             window.statusBar().addWidget(self._place, 1)
             self._place.clicked.connect(self._back_to_lab)
         self._place_of = lab
-        self._place.setText(text)
+        self._place.setText(f"←  {text}" if text else "")
+        self._place.setToolTip(tr("Back to the lab"))
         window.statusBar().setVisible(bool(text))
 
     def _back_to_lab(self) -> None:

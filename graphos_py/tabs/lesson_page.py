@@ -90,7 +90,7 @@ class LessonPage(QWidget):
         column.addWidget(self.said)
         column.addWidget(self.go)
         column.addStretch(1)
-        if self.lesson.fails:
+        if self.lesson.fails and "When it fails" not in self.lesson.text:
             column.addWidget(_group(tr("When it fails, and how one sees it")))
             fails = QLabel(tr(self.lesson.fails))
             fails.setWordWrap(True)
@@ -122,7 +122,13 @@ class LessonPage(QWidget):
         lines = []
         for name, value in trial.values.items():
             declaration = declarations[name]
-            shown = str(value).lower() if isinstance(value, bool) else f"{value}"
+            shown = (
+                str(value).lower()
+                if isinstance(value, bool)
+                else f"{value:g}"
+                if isinstance(value, float)
+                else f"{value}"
+            )
             unit = declaration.about.unit
             lines.append(
                 tr("{label}: {value} (normally {default})", label=tr(declaration.about.label),

@@ -226,7 +226,22 @@ class SimulatorPage(QWidget):
         line.addWidget(title)
         line.addSpacing(12)
         line.addWidget(self._note, 1)
-        for widget in (self._undo, self._redo, self._truth, self._pin, self._full, TakeHome(self)):
+        self._lesson = QToolButton()
+        self._lesson.setText(tr("Lesson"))
+        self._lesson.setToolTip(tr("Read about it: formula, parameters, when it fails."))
+        bind_icon(self._lesson, "explain")
+        self._lesson.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self._lesson.setVisible(bool(self.simulator.learn))
+        self._lesson.clicked.connect(lambda: self.lesson_asked.emit(self.simulator.learn))
+        for widget in (
+            self._undo,
+            self._redo,
+            self._truth,
+            self._pin,
+            self._lesson,
+            self._full,
+            TakeHome(self),
+        ):
             line.addWidget(widget)
         return line
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Annotated, Literal
+from functools import cached_property, lru_cache
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -119,6 +120,40 @@ class WallisSimulatorParams(Params):
         )
 
 
+@lru_cache(maxsize=4)
+def _flat() -> Array:
+    noise = np.random.default_rng(0).normal(size=FLAT_SIZE) * FLAT_NOISE
+    return rgb(np.clip(np.rint(FLAT_LEVEL + noise), 0, 255).astype(np.uint8))
+
+
+class _Kept:
+    """What was computed last, so that dragging the window does not filter anew: one entry per kind of picture.
+
+    A key holds the pictures themselves, compared by identity, and plain values.
+    """
+
+    def __init__(self) -> None:
+        self._entries: dict[str, list[tuple[tuple[Any, ...], Any]]] = {}
+
+    def get(self, kind: str, key: tuple[Any, ...], make: Callable[[], Any]) -> Any:
+        """Return the value of a key, computed unless it is one of the last two of its kind."""
+        entries = self._entries.setdefault(kind, [])
+        for known, value in entries:
+            if len(known) == len(key) and all(
+                a is b if isinstance(a, np.ndarray) or isinstance(b, np.ndarray) else a == b
+                for a, b in zip(known, key, strict=True)
+            ):
+                return value
+        made = make()
+        if isinstance(made, np.ndarray):
+            made.flags.writeable = False
+        self._entries[kind] = [(key, made), *entries[:1]]
+        return made
+
+
+_kept = _Kept()
+
+
 @dataclass(frozen=True, eq=False)
 class Filtered:
     """The pictures of a parameter sheet."""
@@ -130,13 +165,20 @@ class Filtered:
     def truth(self) -> Array:
         """The picture without the artificial shadow, uint8 (h, w, 3)."""
         if self.params.picture == "flat":
-            noise = np.random.default_rng(0).normal(size=FLAT_SIZE) * FLAT_NOISE
-            return rgb(np.clip(np.rint(FLAT_LEVEL + noise), 0, 255).astype(np.uint8))
-        return rgb(photo_or_simulated(self.setting)[0])
+            return _flat()
+        photo = photo_or_simulated(self.setting)[0]
+        made: Array = _kept.get("truth", (photo,), lambda: rgb(photo).copy())
+        return made
 
     @cached_property
     def before(self) -> Array:
         """The picture in shadow from `shadow_x` on, with a soft edge, uint8 (h, w, 3)."""
+        made: Array = _kept.get(
+            "before", (self.truth, self.params.shadow, self.params.shadow_x), self._shaded
+        )
+        return made
+
+    def _shaded(self) -> Array:
         width = self.truth.shape[1]
         into = np.clip((np.arange(width) - self.params.shadow_x / 100 * width) / (0.02 * width) + 0.5, 0, 1)
         light = (1.0 - self.params.shadow / 100 * into).astype(np.float32)
@@ -145,17 +187,19 @@ class Filtered:
     @cached_property
     def after(self) -> Array:
         """The engine's result, uint8 (h, w)."""
-        return wallis(self.before, self.params.engine, run=Run(threads=1))
+        return _filter(self.before, self.params.engine)
 
     @cached_property
     def ideal(self) -> Array:
         """The engine's result for the picture without shadow, uint8 (h, w)."""
-        return wallis(self.truth, self.params.engine, run=Run(threads=1))
+        return _filter(self.truth, self.params.engine)
 
     @cached_property
     def statistics(self) -> tuple[Array, Array]:
         """The engine's local mean and standard deviation, float32 (h, w), grey levels."""
-        return local_statistics(self.before, self.params.window)
+        key = (self.before, self.params.window)
+        made: tuple[Array, Array] = _kept.get("statistics", key, lambda: local_statistics(*key))
+        return made
 
     @cached_property
     def window_grey(self) -> Array:
@@ -215,6 +259,11 @@ class Filtered:
     def cut_off(self) -> float:
         """Part of the pixels of the whole result that are 0 or 255, %."""
         return 100.0 * float(np.mean((self.after == 0) | (self.after == 255)))
+
+
+def _filter(picture: Array, params: WallisParams) -> Array:
+    made: Array = _kept.get("filter", (picture, params), lambda: wallis(picture, params, run=Run(threads=1)))
+    return made
 
 
 def grey_levels(image: Array) -> Array:
