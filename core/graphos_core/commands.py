@@ -126,12 +126,12 @@ def _control(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def _print_summary(report: dict[str, Any], folder: Path) -> None:
-    images, orientation, dense = report["images"], report.get("orientation"), report.get("dense")
+    images, orientation, dense = report["images"], report["orientation"], report["dense"]
     rows = [("Photos oriented", f"{images['oriented']} of {images['total']}")]
     if orientation:
         rows.append(("Reprojection RMS (per coordinate)", f"{orientation['reprojection_rms_px']:.3f} px"))
         rows.append(("Object points", f"{orientation['points']}"))
-    if dense:
+    if dense["points"]:
         rows.append(("Dense points", f"{dense['points']}"))
     rows.append(("Report", str(folder.parent.parent / "report.html")))
     for label, value in rows:

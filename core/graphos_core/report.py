@@ -1,6 +1,6 @@
 """The report as data: what was computed, how well, and what to know about it; the keys are documented here.
 
-``report.json`` holds exactly this dictionary:
+``report.json`` holds exactly this dictionary; what was not computed is null, or 0 where it is a count:
 
 =====================  ================================================================================================
 key                    meaning
@@ -65,6 +65,11 @@ def build_report(pipeline: Pipeline) -> dict[str, Any]:
             "unusable": [{"name": f.item, "reason": str(f.reason)} for f in photos.failures],
         },
         "cameras": [_camera(camera) for camera in photos.cameras],
+        "matching": None,
+        "orientation": None,
+        "georeferencing": None,
+        "dense": {"points": 0, "depth_maps": 0, "unit": None},
+        "quality": None,
     }
     matched = pipeline.result("features")
     if matched is not None:

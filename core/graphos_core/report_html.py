@@ -29,7 +29,6 @@ def report_html(report: dict[str, Any], pipeline: Pipeline) -> str:
     template = resources.files("graphos_resources").joinpath("report/report.html.j2").read_text("utf-8")
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     environment.filters["number"] = format_value
-    report = {"quality": None, "orientation": None, "dense": None, "georeferencing": None} | report
     return environment.from_string(template).render(
         r=report,
         problems=report["warnings"]
@@ -54,7 +53,7 @@ def _tiles(report: dict[str, Any]) -> list[dict[str, str]]:
         rms = format_value(orientation["reprojection_rms_px"], unit="px", digits=3)
         tiles.append({"label": "reprojection RMS per coordinate", "value": rms})
         tiles.append({"label": "object points", "value": format_value(orientation["points"])})
-    if dense:
+    if dense["points"]:
         tiles.append({"label": "points of the dense cloud", "value": format_value(dense["points"])})
     if report["georeferencing"] and report["georeferencing"]["check_rms_m"] is not None:
         value = format_value(1000 * report["georeferencing"]["check_rms_m"], unit="mm", digits=3)
