@@ -43,8 +43,8 @@ def build_parser() -> argparse.ArgumentParser:
     simulate = words.add_parser("simulate", help="make photos of a theoretical model with known truth")
     simulate.add_argument("template", help="couple, triple, grid, orbital or facade")
     simulate.add_argument("--out", type=Path, required=True, help="folder for photos and truth")
-    simulate.add_argument("--width", type=int, default=1600, help="photo width in px (default 1600)")
-    simulate.add_argument("--height", type=int, default=1200, help="photo height in px (default 1200)")
+    simulate.add_argument("--width", type=_side, default=1600, help="photo width in px (default 1600)")
+    simulate.add_argument("--height", type=_side, default=1200, help="photo height in px (default 1200)")
     simulate.add_argument(
         "--set", action="append", default=[], metavar="PARAMETER=VALUE", dest="assignments",
         help="parameter of the template; an unknown name lists the valid ones",
@@ -84,7 +84,7 @@ def build_parser() -> argparse.ArgumentParser:
 
 def _common(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--threads", type=_threads, default=None, help="threads to use (default: all cores)")
-    parser.add_argument("--seed", type=int, default=None, help="seed of every random step (default 0)")
+    parser.add_argument("--seed", type=_seed, default=None, help="seed of every random step (default 0)")
 
 
 def _threads(text: str) -> int:
@@ -94,18 +94,34 @@ def _threads(text: str) -> int:
     return value
 
 
+def _seed(text: str) -> int:
+    value = int(text)
+    if not 0 <= value < 2**31:
+        raise argparse.ArgumentTypeError("needs 0 to 2147483647")
+    return value
+
+
+def _side(text: str) -> int:
+    value = int(text)
+    if not 32 <= value <= 20000:
+        raise argparse.ArgumentTypeError("needs 32 to 20000")
+    return value
+
+
 def _pair(text: str) -> tuple[float, float]:
-    parts = [float(part) for part in text.split(",")]
-    if len(parts) != 2:
-        raise argparse.ArgumentTypeError("needs two numbers, such as 799.5,599.5")
-    return parts[0], parts[1]
+    try:
+        x, y = (float(part) for part in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError("needs two numbers, such as 799.5,599.5") from None
+    return x, y
 
 
 def _distance(text: str) -> tuple[str, str, float]:
-    parts = text.rsplit(",", 2)
-    if len(parts) != 3:
-        raise argparse.ArgumentTypeError("needs two names and metres, such as 101,102,2.5")
-    return parts[0].strip(), parts[1].strip(), float(parts[2])
+    try:
+        a, b, metres = text.rsplit(",", 2)
+        return a.strip(), b.strip(), float(metres)
+    except ValueError:
+        raise argparse.ArgumentTypeError("needs two names and metres, such as 101,102,2.5") from None
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

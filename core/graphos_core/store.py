@@ -39,6 +39,7 @@ UNREADABLE = (
     ValueError,
     KeyError,
     TypeError,
+    AttributeError,
     MemoryError,
     RecursionError,
     zipfile.BadZipFile,
@@ -323,7 +324,10 @@ def _decode(tree: Any, arrays: Mapping[str, Any]) -> Any:
     if "array" in tree:
         return arrays[tree["array"]]
     if "record" in tree:
-        return _record_type(tree["record"])(**{k: _decode(v, arrays) for k, v in tree["fields"].items()})
+        made = _record_type(tree["record"])(**{k: _decode(v, arrays) for k, v in tree["fields"].items()})
+        if hasattr(made, "check_arrays"):
+            made.check_arrays()
+        return made
     if "tuple" in tree:
         return tuple(_decode(v, arrays) for v in tree["tuple"])
     if "dict" in tree:

@@ -59,3 +59,22 @@ def test_the_demo_takes_an_earlier_simulation_only_for_the_same_seed_and_photos(
     assert is_simulated(tmp_path, 5, 3)
     assert not is_simulated(tmp_path, 5, 0)
     assert not is_simulated(tmp_path, 12, 3)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("demo", "--seed", "-1"),
+        ("simulate", "couple", "--out", "x", "--seed", "3000000000"),
+        ("simulate", "couple", "--out", "x", "--width", "0"),
+        ("run", "x", "--out", "y", "--distance", "A,B,long"),
+        ("run", "x", "--out", "y", "--principal-point", "a,b"),
+    ],
+)
+def test_wrong_numbers_are_wrong_usage_in_words(
+    words: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as caught:
+        build_parser().parse_args(words)
+    assert caught.value.code == 2
+    assert "needs" in capsys.readouterr().err

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graphos_core.data import Camera, Exif, Photo, PhotoSet
+from graphos_core.data import Block, Camera, Exif, Photo, PhotoSet
 from graphos_core.errors import ItemFailure, UserError
 from graphos_core.store import Store, content_key, write_text
 
@@ -150,3 +150,27 @@ def test_an_array_that_claims_more_than_the_memory_is_refused(tmp_path: Path) ->
         archive.writestr("a0.npy", header.getvalue())
     with pytest.raises(UserError, match="cannot be read"):
         store.load("x", "k")
+
+
+@pytest.mark.parametrize("field", ["obs_photo", "obs_point", "camera_of_photo"])
+def test_a_stored_block_whose_indices_do_not_exist_never_reaches_the_compiled_loops(
+    tmp_path: Path, field: str
+) -> None:
+    camera = Camera(model="pinhole", width=100, height=80, values=np.array([100.0, 49.5, 39.5]))
+    arrays = {
+        "camera_of_photo": np.zeros(2, np.int32),
+        "obs_photo": np.array([0, 1], np.int32),
+        "obs_point": np.zeros(2, np.int32),
+    }
+    block = {
+        "cameras": (camera,), "names": ("a", "b"), "oriented": np.ones(2, bool),
+        "rotations": np.tile(np.eye(3), (2, 1, 1)), "centres": np.zeros((2, 3)), "points": np.ones((1, 3)),
+        "colours": np.zeros((1, 3), np.uint8), "point_track": np.zeros(1, np.int32), "obs_xy": np.ones((2, 2)),
+    }  # fmt: skip
+    store = Store(tmp_path)
+    store.save("x", "good", Block(**block, **arrays), {})
+    assert store.load("x", "good").names == ("a", "b")
+    arrays[field] = np.array([0, 10**6], np.int32)
+    store.save("x", "bad", Block(**block, **arrays), {})
+    with pytest.raises(UserError, match="do not exist"):
+        store.load("x", "bad")

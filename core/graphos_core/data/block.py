@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from graphos_core.data.cameras import Camera
-from graphos_core.data.record import Array, record
+from graphos_core.data.record import Array, check_indices, check_shape, record
 from graphos_core.errors import ItemFailure
 
 
@@ -54,6 +54,23 @@ class Block:
     obs_xy: Array
     unit: str = "model units"
     failures: tuple[ItemFailure, ...] = ()
+
+    def check_arrays(self) -> None:
+        """Raise `ValueError` when arrays do not belong together; called on what was read from disk."""
+        n, p, m = len(self.names), len(self.points), len(self.obs_photo)
+        check_shape("rotations", self.rotations, n, 3, 3)
+        check_shape("projection centres", self.centres, n, 3)
+        check_shape("flags", self.oriented, n)
+        check_shape("cameras of photos", self.camera_of_photo, n)
+        check_shape("points", self.points, p, 3)
+        check_shape("colours", self.colours, p, 3)
+        check_shape("tracks", self.point_track, p)
+        check_shape("photos of observations", self.obs_photo, m)
+        check_shape("points of observations", self.obs_point, m)
+        check_shape("observations", self.obs_xy, m, 2)
+        check_indices("cameras", self.camera_of_photo, len(self.cameras))
+        check_indices("photos", self.obs_photo, n)
+        check_indices("points", self.obs_point, p)
 
 
 @record

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from graphos_core.data.record import Array, record
+from graphos_core.data.record import Array, check_indices, check_shape, record
 
 
 @record
@@ -67,3 +67,13 @@ class Tracks:
     count: int
     conflicts: int = 0
     components: tuple[tuple[int, ...], ...] = ()
+
+    def check_arrays(self) -> None:
+        """Raise `ValueError` when arrays do not belong together; called on what was read from disk."""
+        m = len(self.track)
+        check_shape("photos of tracks", self.photo, m)
+        check_shape("features of tracks", self.feature, m)
+        check_shape("positions of tracks", self.xy, m, 2)
+        check_shape("colours of tracks", self.colour, self.count, 3)
+        check_indices("tracks", self.track, self.count)
+        check_indices("photos", self.photo, 2**31)

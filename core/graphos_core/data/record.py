@@ -37,3 +37,18 @@ def record(cls: Cls) -> Cls:
     frozen = cast(Cls, dataclasses.dataclass(frozen=True, kw_only=True, eq=False)(cls))
     RECORDS[cls.__name__] = frozen
     return frozen
+
+
+def check_indices(what: str, indices: Array, count: int) -> None:
+    """Raise `ValueError` when an index into something that occurs `count` times does not exist.
+
+    Stored results may come from a stranger, and compiled loops do not look whether an index exists.
+    """
+    if indices.dtype.kind not in "iu" or (indices.size and not 0 <= indices.min() <= indices.max() < count):
+        raise ValueError(f"{what} that do not exist")
+
+
+def check_shape(what: str, array: Array, *shape: int | None) -> None:
+    """Raise `ValueError` when an array has another shape; None stands for any length."""
+    if array.ndim != len(shape) or any(b not in (None, a) for a, b in zip(array.shape, shape, strict=True)):
+        raise ValueError(f"{what} of shape {array.shape}")
