@@ -106,3 +106,13 @@ def test_the_placement_by_control_is_kept_as_it_is() -> None:
 def test_an_empty_cloud_is_refused() -> None:
     with pytest.raises(UserError, match="nothing to compare"):
         nearest(cloud_of(np.empty((0, 3))), grid_mesh(), NearestParams(), run=Run())
+
+
+@pytest.mark.parametrize("times", [1, 2])
+def test_a_random_or_doubled_reference_cloud_still_has_planes(times: int) -> None:
+    rng = np.random.default_rng(3)
+    flat = np.column_stack([rng.uniform(-1.0, 1.0, (4000, 2)), np.zeros(4000)])
+    points = np.column_stack([rng.uniform(-0.9, 0.9, (500, 2)), np.full(500, 0.02)])
+    up = np.tile([0.0, 0.0, 1.0], (4000 * times, 1))
+    found = nearest(cloud_of(points), cloud_of(np.vstack([flat] * times), up), NearestParams(), run=Run())
+    assert np.isclose(found.distances, 0.02, atol=1e-9).mean() > 0.99

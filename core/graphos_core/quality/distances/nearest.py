@@ -39,6 +39,7 @@ class NearestParams(Params):
     stage="quality",
     role="comparison",
     name="nearest",
+    version=2,
     label="Distance from the nearest surface",
     source="Cloud to mesh, and cloud to local least-squares plane: Lague et al. 2013, section 2.2",
     learn="quality/distances",
@@ -143,7 +144,8 @@ def plane_distances(cloud: Cloud, reference: Cloud, shift: Array, k: int, run: R
         outwards = _outwards(cloud, reference, rows, index[:, 0], middle)
         normals *= np.where(np.einsum("ij,ij->i", normals, outwards) < 0.0, -1.0, 1.0)[:, None]
         signed = np.einsum("ij,ij->i", part - middle, normals)
-        spacing = np.linalg.norm(group - group[:, :1], axis=2)[:, 1:].min(axis=1)
+        # the fourth neighbour of the nearest point: the very nearest may be the same point, or almost
+        spacing = np.sort(np.linalg.norm(group - group[:, :1], axis=2)[:, 1:], axis=1)[:, min(3, k - 2)]
         beyond = near[:, 0] > 3.0 * np.maximum(spacing, 1e-300)
         distances[rows] = np.where(beyond, np.copysign(near[:, 0], signed), signed)
         run.progress(min(rows.stop, len(cloud.points)), len(cloud.points), "points compared")
