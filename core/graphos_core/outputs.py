@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from graphos_core.pipeline import Pipeline
 from graphos_core.recipe import Recipe
 from graphos_core.report import build_report
@@ -50,8 +52,8 @@ def run_history(project: Any) -> list[PastRun]:
     for folder in sorted((project.folder / "runs").glob("[0-9]*")):
         try:
             report = json.loads((folder / "report.json").read_text("utf-8"))
-            found.append(PastRun(int(folder.name), folder, report, report.get("made", "")))
-        except (OSError, ValueError):
+            found.append(PastRun(int(folder.name), folder, report, str(report["made"])))
+        except (OSError, ValueError, KeyError, TypeError, RecursionError):
             continue
     return found
 
@@ -91,16 +93,22 @@ def _write_models(pipeline: Pipeline, folder: Path) -> None:
     from graphos_core.exchange.colmap import write_colmap
     from graphos_core.exchange.ply import write_ply_cloud
 
+    notes: list[str] = []
     adjusted = pipeline.result("adjustment")
     if adjusted is not None:
         block = adjusted.adjustment.block
-        write_ply_cloud(folder / "sparse.ply", block.points, block.colours, unit=block.unit)
+        origin = adjusted.georeference.origin
+        if np.any(origin):
+            notes = [f"coordinates less the local origin {origin[0]:.3f} {origin[1]:.3f} {origin[2]:.3f} m"]
+        write_ply_cloud(folder / "sparse.ply", block.points, block.colours, unit=block.unit, comments=notes)
         write_colmap(block, folder / "colmap")
     dense = pipeline.result("dense")
     if dense is not None:
         cloud = dense.cloud
         normals = cloud.normals if len(cloud.normals) == len(cloud.points) else None
-        write_ply_cloud(folder / "dense.ply", cloud.points, cloud.colours, normals, unit=cloud.unit)
+        write_ply_cloud(
+            folder / "dense.ply", cloud.points, cloud.colours, normals, unit=cloud.unit, comments=notes
+        )
 
 
 def _new_folder(runs: Path) -> Path:

@@ -123,7 +123,7 @@ def read_lab(name: str, source: str) -> Lab:
     """
     try:
         document = tomllib.loads(source)
-    except tomllib.TOMLDecodeError as problem:
+    except (tomllib.TOMLDecodeError, RecursionError) as problem:
         raise UserError(
             Text("The lab {name} cannot be read.", name=name), f"{problem}.", "Correct that line."
         ) from problem

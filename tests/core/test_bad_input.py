@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import json
 import os
 import shutil
 import signal
@@ -85,6 +86,24 @@ def test_photos_without_overlap(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert code == 1
     assert "overlap" in said
     assert "estimate" in said  # EXIF is missing: the principal distance is flagged
+
+
+def test_two_unrelated_blocks_in_one_folder(
+    small_simulation: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "in").mkdir()
+    for source in (small_simulation / "photos").iterdir():
+        shutil.copy(source, tmp_path / "in")
+    for seed in range(2):
+        photo(tmp_path / "in" / f"other{seed}.jpg", 7)  # the same texture twice: a group of its own
+        with Image.open(tmp_path / "in" / f"other{seed}.jpg") as picture:
+            picture.rotate(3 * seed).save(tmp_path / "in" / f"other{seed}.jpg")
+    code, said = run(capsys, "run", tmp_path / "in", "--out", tmp_path / "out", "--until", "adjustment")
+    assert code == 0
+    report = json.loads((tmp_path / "out" / "report.json").read_text("utf-8"))
+    assert report["images"]["oriented"] == 5
+    assert {f["name"] for f in report["images"]["not_oriented"]} == {"other0.jpg", "other1.jpg"}
+    assert all(f["reason"] for f in report["images"]["not_oriented"])
 
 
 def test_identical_photos(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
