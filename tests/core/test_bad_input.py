@@ -98,7 +98,7 @@ def test_two_unrelated_blocks_in_one_folder(
         photo(tmp_path / "in" / f"other{seed}.jpg", 7)  # the same texture twice: a group of its own
         with Image.open(tmp_path / "in" / f"other{seed}.jpg") as picture:
             picture.rotate(3 * seed).save(tmp_path / "in" / f"other{seed}.jpg")
-    code, said = run(capsys, "run", tmp_path / "in", "--out", tmp_path / "out", "--until", "adjustment")
+    code, _ = run(capsys, "run", tmp_path / "in", "--out", tmp_path / "out", "--until", "adjustment")
     assert code == 0
     report = json.loads((tmp_path / "out" / "report.json").read_text("utf-8"))
     assert report["images"]["oriented"] == 5
