@@ -9,7 +9,7 @@ from graphos_core.pipeline import Pipeline
 from graphos_core.registry import Stage
 from graphos_core.simulation.truth import Truth
 from graphos_core.text import Text
-from graphos_didactic.lab_figures import FIGURES, Figure
+from graphos_didactic.lab_figures import FIGURES, Figure, figure_text
 from graphos_didactic.labs import Lab, Step
 
 COARSEST = 0.05
@@ -103,8 +103,7 @@ def _check_do(step: Step, pipeline: Pipeline, truth: Truth | None) -> Outcome:
         )
     figure = figure_of(step, pipeline, truth)
     if figure is not None:
-        digits = ".0f" if abs(figure.value) >= 1000 else ".3g"
-        shown = f"{figure.label}: {figure.value:{digits}} {figure.unit}".strip()
+        shown = f"{figure.label}: {figure_text(figure)}"
         if step.at_least is not None and figure.value < step.at_least:
             return Outcome(
                 False, Text("{shown}, at least {limit:g} needed.", shown=shown, limit=step.at_least)
@@ -158,6 +157,4 @@ def answer_key(lab: Lab, pipeline: Pipeline, truth: Truth | None) -> list[tuple[
 def _key_line(figure: Figure | None) -> str:
     if figure is None:
         return "not computed yet"
-    sigma = f" ± {figure.sigma:.2g}" if figure.sigma > 0 else ""
-    truth = f"; truth {figure.truth:.6g}" if figure.truth is not None else ""
-    return f"{figure.value:.6g}{sigma} {figure.unit}".rstrip() + truth
+    return figure_text(figure) + (f"; truth {figure.truth:.6g}" if figure.truth is not None else "")

@@ -35,6 +35,17 @@ class Figure:
     truth: float | None = None
 
 
+def figure_text(figure: Figure) -> str:
+    """Return value, standard deviation with two digits, and unit: ``"920.24 ± 0.22 px"``."""
+    value, sigma = figure.value, figure.sigma
+    if sigma > 0:
+        decimals = max(0, 1 - math.floor(math.log10(sigma)))
+        number = f"{value:.{decimals}f} ± {sigma:.{decimals}f}"
+    else:
+        number = f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
+    return f"{number} {figure.unit}".rstrip().replace("-", "−")
+
+
 Source = Callable[[Pipeline, Truth | None], Figure | None]
 
 

@@ -22,6 +22,7 @@ from graphos_core.simulation.truth import Truth, load_truth
 from graphos_core.store import write_text
 from graphos_core.text import Text
 from graphos_didactic.lab_check import Outcome, answer_key, check, figure_of, parse_number
+from graphos_didactic.lab_figures import figure_text
 from graphos_didactic.labs import Lab, Step, student_seed
 
 FILE = "lab.json"
@@ -211,8 +212,7 @@ def _row(
     figure = figure_of(step, pipeline, truth)
     computed = ""
     if figure is not None:
-        sigma = f" ± {figure.sigma:.2g}" if figure.sigma > 0 else ""
-        computed = f"{figure.label}: {figure.value:.6g}{sigma} {figure.unit}".strip()
+        computed = f"{figure.label}: {figure_text(figure)}"
         if step.kind == "compare" and figure.truth is not None:
             computed += f"; truth {figure.truth:.6g} {figure.unit}".rstrip()
         guess = parse_number(answer)

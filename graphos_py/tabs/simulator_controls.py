@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QWheelEvent
+from PySide6.QtCore import QEvent, Qt, Signal
+from PySide6.QtGui import QPalette, QWheelEvent
 from PySide6.QtWidgets import QGridLayout, QLabel, QSlider, QVBoxLayout, QWidget
 
 from graphos_core.errors import ParamError
@@ -26,6 +26,15 @@ class QuietSlider(QSlider):
         super().__init__(Qt.Orientation.Horizontal)
         self.setRange(0, NOTCHES)
         self.setMinimumHeight(theme().px(20))
+
+    def changeEvent(self, event: QEvent) -> None:
+        """Look locked when it is."""
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.EnabledChange:
+            palette = QPalette()
+            if not self.isEnabled():
+                palette.setColor(QPalette.ColorRole.Highlight, theme().colour("border"))
+            self.setPalette(palette)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Do not change by scrolling."""

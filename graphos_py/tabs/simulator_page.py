@@ -81,6 +81,7 @@ class SimulatorPage(QWidget):
         self.controls = SimulatorControls(self.history.present, level)
         self.quiz = SimulatorQuiz(simulator)
         self.steps = SimulatorSteps(simulator.steps)
+        self._captions = (QLabel(tr("Kept, as it was")), QLabel(tr("Now")))
         self._says = QLabel()
         self._says.setWordWrap(True)
         self._says.setProperty("role", "heading")
@@ -176,7 +177,10 @@ class SimulatorPage(QWidget):
         if on and self.view.scene is not None:
             self.pinned.show_scene(self.view.scene)
             self.pinned.set_look(replace(self.view.look, handles=False, active=""))
-        self.pinned.setVisible(on)
+        for widget in (self.pinned, *self._captions):
+            widget.setVisible(on)
+        self._dress()
+        self._set_formulas()
 
     # --------------------------------------------------------------------------------------------- building
 
@@ -191,8 +195,11 @@ class SimulatorPage(QWidget):
         play.setSpacing(6)
         pictures = QVBoxLayout()
         pictures.setSpacing(6)
-        pictures.addWidget(self.pinned, 1)
-        pictures.addWidget(self.view, 1)
+        for caption, view in zip(self._captions, (self.pinned, self.view), strict=True):
+            caption.setProperty("role", "caption")
+            caption.hide()
+            pictures.addWidget(caption)
+            pictures.addWidget(view, 1)
         play.addLayout(pictures, 1)
         play.addWidget(self._says)
         play.addWidget(self.steps)
@@ -204,8 +211,10 @@ class SimulatorPage(QWidget):
         back = self._button("", tr("All simulators"), self.left.emit, "←")
         title = QLabel(tr(self.simulator.title))
         title.setProperty("role", "title")
+        title.setWordWrap(True)
         self._note = QLabel(tr(self.simulator.first))
         self._note.setWordWrap(True)
+        self._note.setMinimumWidth(theme().px(110))
         self._truth = QToolButton()
         self._truth.setCheckable(True)
         self._truth.setChecked(True)
@@ -223,9 +232,9 @@ class SimulatorPage(QWidget):
         line = QHBoxLayout()
         line.setSpacing(8)
         line.addWidget(back)
-        line.addWidget(title)
-        line.addSpacing(12)
-        line.addWidget(self._note, 1)
+        line.addWidget(title, 3)
+        line.addSpacing(4)
+        line.addWidget(self._note, 2)
         self._lesson = QToolButton()
         self._lesson.setText(tr("Lesson"))
         self._lesson.setToolTip(tr("Read about it: formula, parameters, when it fails."))
@@ -352,8 +361,13 @@ class SimulatorPage(QWidget):
     def _formulas_ready(self) -> None:
         if typesetter_loaded():
             self._loading.stop()
-            for view in (self.view, self.pinned):
-                view.set_look(replace(view.look, formulas=True))
+            self._set_formulas()
+
+    def _set_formulas(self) -> None:
+        """Show formulas when they can be set; while two pictures share the height their numbers need the room."""
+        shown = typesetter_loaded() and not self._pin.isChecked()
+        for view in (self.view, self.pinned):
+            view.set_look(replace(view.look, formulas=shown))
 
     def _show_answers(self, shown: bool) -> None:
         for view in (self.view, self.pinned):
@@ -369,6 +383,8 @@ class SimulatorPage(QWidget):
         self._truth.setText(tr("Truth shown") if self._truth.isChecked() else tr("Truth hidden"))
         look = theme()
         font = max(10.0, look.points() * self.logicalDpiY() / 72.0) if look.points() else 13.0
+        if self._pin.isChecked():  # two pictures share the height
+            font = max(11.0, 0.7 * font)
         for view in (self.view, self.pinned):
             view.set_look(replace(view.look, theme=look.name, font=font, truth=self._truth.isChecked()))
 

@@ -6,6 +6,7 @@ from PySide6.QtCore import QTimer, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QToolButton, QWidget
 
 from graphos_didactic.simulator import Step
+from graphos_py.theme import theme
 from graphos_py.translation import tr
 
 PAUSE_MS = 1800
@@ -42,6 +43,7 @@ class SimulatorSteps(QWidget):
                 f"{i + 1} {tr(step.title)}", tr(step.text), lambda _=False, n=i: self.show_step(n)
             )
             button.setCheckable(True)
+            button.setMinimumWidth(theme().px(32))  # on a small screen its end is cut, the tip has it all
             line.addWidget(button)
             self._buttons.append(button)
         self._text = QLabel()

@@ -135,7 +135,7 @@ def test_a_lab_of_an_instructor_is_read_from_its_folder(tmp_path: Path) -> None:
 def test_the_labs_of_the_program_lead_through_all_five_rooms() -> None:
     assert labs()
     for lab in labs().values():
-        assert {s.stage for s in lab.steps if s.stage} == {
+        assert {s.stage for s in lab.steps if s.kind == "do"} == {
             "preprocessing", "features", "adjustment", "dense", "quality",
         }  # fmt: skip
         assert {"predict", "do", "measure", "compare", "explain"} <= {s.kind for s in lab.steps}
@@ -262,7 +262,7 @@ def test_the_hand_in_escapes_what_students_type(lab: Lab, results: Any, tmp_path
 def test_the_key_is_computed_from_results_and_truth(lab: Lab, results: Any, tmp_path: Path) -> None:
     key = dict(key_page(LabSession(lab, "A", tmp_path), results))
     assert set(key) == {"Guess", "Measure", "Compare"}
-    assert key["Compare"] == "1000 ± 0.2 px; truth 1000.5"
+    assert key["Compare"] == "1000.00 ± 0.20 px; truth 1000.5"
 
 
 def test_figures_without_results_are_missing_not_wrong(lab: Lab) -> None:
@@ -270,3 +270,36 @@ def test_figures_without_results_are_missing_not_wrong(lab: Lab) -> None:
         assert source(Results(), None) is None, name  # type: ignore[arg-type]
     assert not check(lab.steps[2], "1", Results(), None).passed  # type: ignore[arg-type]
     assert lab_check.answer_key(lab, Results(), None)[0][1] == "not computed yet"  # type: ignore[arg-type]
+
+
+def test_a_wrong_number_is_not_answered_with_the_right_one(lab: Lab, results: Any) -> None:
+    step = next(s for s in lab.steps if s.kind == "measure")
+    wrong = check(step, "990", results, None)
+    assert not wrong.passed
+    assert "Too small" in str(wrong.text)
+    assert "1000" not in str(wrong.text) and "10 " not in str(wrong.text)
+
+
+def test_a_number_may_carry_its_unit_and_typographic_signs(lab: Lab, results: Any) -> None:
+    step = next(s for s in lab.steps if s.kind == "measure")
+    for typed in ("1000.1 px", "1000,1px", "1\u202f000.1"):
+        assert check(step, typed, results, None).passed
+    assert not check(step, "1000.1 mm", results, None).passed
+
+
+def test_a_result_that_was_predicted_is_shown_beside_the_prediction(
+    lab: Lab, results: Any, tmp_path: Path
+) -> None:
+    session = LabSession(lab, "Anna", tmp_path)
+    guess = next(i for i, s in enumerate(lab.steps) if s.kind == "predict")
+    read = next(i for i, s in enumerate(lab.steps) if s.kind == "measure")
+    session.answer(guess, "950", results)
+    assert "You predicted 950." in str(session.answer(read, "1000.1", results).text)
+
+
+def test_a_step_may_lead_to_the_images_but_they_are_not_run(lab: Lab) -> None:
+    with_place = read_lab("good", GOOD.replace('kind = "predict"', 'kind = "predict"\nstage = "images"', 1))
+    assert "images" in {s.stage for s in with_place.steps}
+    broken = GOOD.replace('kind = "predict"', 'kind = "do"\nstage = "images"', 1)
+    with pytest.raises(UserError, match="images"):
+        read_lab("broken", broken)

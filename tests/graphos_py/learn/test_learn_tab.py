@@ -8,7 +8,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from PySide6.QtCore import QEvent, QUrl
+from PySide6.QtCore import QEvent, QSettings, QUrl
 from PySide6.QtGui import QTextDocument
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
@@ -20,7 +20,9 @@ from graphos_didactic.labs import read_lab
 from graphos_didactic.lessons import find_lesson, lessons
 from graphos_py.app import make_application
 from graphos_py.jobs import Jobs
+from graphos_py.main_window import MainWindow
 from graphos_py.session import Session, load_engine
+from graphos_py.settings import Settings
 from graphos_py.tabs.lab_page import LabPage
 from graphos_py.tabs.learn import LearnTab
 from graphos_py.tabs.lesson_page import LessonPage
@@ -220,6 +222,31 @@ def test_a_trial_sets_the_parameters_and_chooses_the_algorithm(session: Session,
     assert asked.args == ["preprocessing"]
 
 
+def test_try_this_of_the_explain_panel_chooses_the_algorithm(qtbot: QtBot, tmp_path: Path) -> None:
+    window = MainWindow(Settings(QSettings(str(tmp_path / "s.ini"), QSettings.Format.IniFormat)))
+    qtbot.addWidget(window)
+    window.engine_loaded([])
+    recipe = window.session.recipe
+    assert recipe is not None and recipe.chosen("preprocessing", "filter") == ()
+    window.explain.tried.emit("wallis", {"window": 11})
+    recipe = window.session.recipe
+    assert recipe.chosen("preprocessing", "filter") == ("wallis",)
+    assert recipe.params("preprocessing", "wallis").window == 11  # type: ignore[attr-defined]
+    window.close()
+    window.jobs.stop_all()
+
+
+def test_the_filled_button_is_the_next_thing_to_do(lab_page: LabPage, qtbot: QtBot) -> None:
+    student = begin(lab_page, qtbot)
+    lab_page.show_step(1)
+    step = lab_page.step
+    assert step.check_button.property("role") == "primary" and step.next_button.text() == "Skip for now"
+    step.number.setText("3")
+    step.check()
+    qtbot.waitUntil(lambda: 1 in student.passed and not step.checking, timeout=10_000)
+    assert step.next_button.property("role") == "primary" and step.next_button.text() == "Next step"
+
+
 def test_a_lab_leads_from_step_to_step(lab_page: LabPage, session: Session, qtbot: QtBot) -> None:
     assert not lab_page.start.start.isEnabled()
     assert "name" in lab_page.start.said.text()
@@ -237,7 +264,7 @@ def test_a_lab_leads_from_step_to_step(lab_page: LabPage, session: Session, qtbo
     qtbot.waitUntil(lambda: 1 in student.passed, timeout=10_000)
     lab_page.go_on()
     session.run("preprocessing")
-    qtbot.waitUntil(lambda: 2 in student.passed, timeout=20_000)
+    qtbot.waitUntil(lambda: 2 in student.passed and not step.checking, timeout=20_000)
     lab_page.go_on()
     step.words.setPlainText("one")
     step.check()

@@ -14,7 +14,7 @@ from graphos_didactic.scene import Handle
 from graphos_didactic.scene_drawing import Look, frames
 from graphos_didactic.scene_svg import SvgCanvas
 from graphos_didactic.simulator import find_simulator, simulators
-from graphos_py.views.scene_canvas import QtCanvas
+from graphos_py.views.scene_canvas import QtCanvas, dashes
 from graphos_py.views.scene_view import SceneView
 
 
@@ -128,3 +128,14 @@ def test_the_exported_picture_has_no_handles(view: SceneView) -> None:
         clean[at.y() - 9 : at.y() + 9, at.x() - 9 : at.x() + 9]
         != full[at.y() - 9 : at.y() + 9, at.x() - 9 : at.x() + 9]
     ).any()
+
+
+def test_dashes_have_their_lengths_along_a_bent_line_and_a_solid_line_is_whole() -> None:
+    bent = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 20.0]])
+    length = lambda pieces: float(np.hypot(*(pieces[:, 2:] - pieces[:, :2]).T).sum())  # noqa: E731
+    assert length(dashes(bent, ())) == pytest.approx(30.0)
+    pieces = dashes(bent, (4.0, 2.0))
+    assert length(pieces) == pytest.approx(20.0)
+    assert pieces[0].tolist() == pytest.approx([0.0, 0.0, 4.0, 0.0])
+    middles = (pieces[:, :2] + pieces[:, 2:]) / 2
+    assert np.all((middles[:, 1] == 0) | (middles[:, 0] == 10))

@@ -165,3 +165,9 @@ def test_the_keyboard_undoes(page: SimulatorPage, qtbot: QtBot) -> None:
     page.view.setFocus()
     qtbot.keyClick(page.view, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
     assert page.params != short
+
+
+def test_the_lesson_about_a_simulator_is_one_click_away(page: SimulatorPage, qtbot: QtBot) -> None:
+    with qtbot.waitSignal(page.lesson_asked) as asked:
+        page._lesson.click()
+    assert asked.args == ["adjustment/intersection"]

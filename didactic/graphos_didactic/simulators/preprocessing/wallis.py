@@ -45,6 +45,8 @@ STEPS = (
     Step("Deviation", "The standard deviation in every window: bright where there is texture."),
     Step("Result", "The difference from the mean, times the gain, plus the mixed means."),
 )
+KNOWN = (frozenset[str](), frozenset({"mean"}), frozenset({"mean", "before"}))
+"""Things whose numbers are known after each step but the last."""
 PRESETS = (
     Preset("shadow", "Into the shadow", "Light and shadow get the same brightness and contrast.", {}),
     Preset("small", "Small window", "Fine texture and noise are lifted; large shapes disappear.", {"window": 9}),
@@ -85,8 +87,8 @@ def wallis_filter(params: WallisSimulatorParams, setting: Setting) -> Scene:
     ]
     if last >= 3:
         marks += _line(seen)
-    marks += [*_handles(seen), *_sheet(seen)]
-    return Scene(panels=_panels(seen, last), marks=tuple(marks), things=THINGS, says=_says(seen))
+    marks += [*_handles(seen), *_sheet(seen, last)]
+    return Scene(panels=_panels(seen, last), marks=tuple(marks), things=THINGS, says=_says(seen, last))
 
 
 def _panels(seen: Filtered, last: int) -> tuple[Panel, ...]:
@@ -112,7 +114,7 @@ def _panels(seen: Filtered, last: int) -> tuple[Panel, ...]:
               y_range=(0.0, 255.0), x_label="column [px]", y_label="grey level", legend="above"),
         Panel(name="histogram", title="In the window", rect=(0.40, 0.48, 0.34, 0.52), x_range=(0.0, 255.0),
               y_range=(0.0, float(top)), x_label="grey level", y_label="pixels [%]", legend="above"),
-        Panel(name="numbers", title="Numbers of the window", rect=(0.74, 0.0, 0.26, 0.58), kind="sheet"),
+        Panel(name="numbers", title="Grey levels in the window", rect=(0.74, 0.0, 0.26, 0.58), kind="sheet"),
         Panel(name="line", title="What becomes of g", rect=(0.74, 0.58, 0.26, 0.42), x_range=(0.0, 255.0),
               y_range=(0.0, 255.0), x_label="g before [grey level]", y_label="g′ after [grey level]"),
     )  # fmt: skip
@@ -163,7 +165,7 @@ def _profile(seen: Filtered, last: int) -> list[AnyMark]:
         marks.append(Line(panel="profile", thing="after", role="accent", label="after", width=1.3,
                           xy=np.stack([columns, seen.after[row, every].astype(float)], axis=1)))  # fmt: skip
         if seen.params.shadow > 0:
-            marks.append(Line(panel="profile", thing="truth", role="truth", label="truth: after, without shadow",
+            marks.append(Line(panel="profile", thing="truth", role="truth", label="truth: no shadow",
                               width=1.3, dash="dashdot", truth=True,
                               xy=np.stack([columns, seen.ideal[row, every].astype(float)], axis=1)))  # fmt: skip
     return marks
@@ -236,20 +238,21 @@ def _handles(seen: Filtered) -> list[AnyMark]:
     top = max(_counts(seen.window_grey).max(), _counts(seen.cut(seen.after)).max())
     marks.append(Handle(panel="histogram", name="target", thing="mean", label="Target mean", role="third", freedom="x",
                         at=(target[0], 0.62 * float(top)), parameters=("target_mean",), nudge=(1.0, 0.0),
-                        move=lambda x, _: {"target_mean": x}))  # fmt: skip
+                        move=lambda x, _: {"target_mean": float(round(x))}))  # fmt: skip
     return marks
 
 
-def _sheet(seen: Filtered) -> list[AnyMark]:
+def _sheet(seen: Filtered, last: int) -> list[AnyMark]:
     p = seen.params
-    unit = "grey levels"
+    unit = "levels"
     c, b, s, m = p.contrast, p.brightness, seen.std, seen.mean
     gain = (
         rf"\quad = \dfrac{{{c:.2f}\cdot{p.target_std:.0f}}}"
         rf"{{{c:.2f}\cdot{s:.1f} + {1 - c:.2f}\cdot{p.target_std:.0f}}} = {seen.gain:.2f}"
     )
     value = (
-        rf"g' = {seen.gain:.2f}\,(g - {m:.1f}) + {b:.2f}\cdot{p.target_mean:.0f} + {1 - b:.2f}\cdot{m:.1f}"
+        rf"g' = {seen.gain:.2f}\,(g - {m:.1f})",
+        rf"\quad + {b:.2f}\cdot{p.target_mean:.0f} + {1 - b:.2f}\cdot{m:.1f}",
     )
     marks: list[AnyMark] = [
         Number(thing="mean", label="Mean m", value=m, unit=unit, digits=1, role="second"),
@@ -257,7 +260,7 @@ def _sheet(seen: Filtered) -> list[AnyMark]:
         Formula(thing="gain", tex=r"r_1 = \dfrac{c\,s_t}{c\,s + (1-c)\,s_t}"),
         Formula(thing="gain", tex=gain, answer=True),
         Formula(thing="after", tex=r"g' = r_1 (g - m) + b\,m_t + (1-b)\,m"),
-        Formula(thing="after", tex=value, answer=True),
+        *(Formula(thing="after", tex=part, answer=True) for part in value),
         Number(thing="after", label="Mean after", value=float(seen.cut(seen.after).mean()), unit=unit, digits=1,
                role="accent", answer=True),
         Number(thing="after", label="Deviation after", value=float(seen.cut(seen.after).std()), unit=unit, digits=1,
@@ -273,10 +276,19 @@ def _sheet(seen: Filtered) -> list[AnyMark]:
             Number(thing="truth", label="after", value=after, unit=unit, digits=1, role="truth", truth=True,
                    answer=True),
         ]  # fmt: skip
+    if last < len(KNOWN):
+        return [mark for mark in marks if mark.thing in KNOWN[last]]
     return marks
 
 
-def _says(seen: Filtered) -> str:
+def _says(seen: Filtered, last: int) -> str:
+    if last < len(KNOWN):
+        deviation = f", standard deviation {seen.std:.0f}" if last == 2 else ""
+        return (
+            f"In this window: mean {seen.mean:.0f}{deviation} grey levels."
+            if last
+            else "One window for every pixel."
+        )
     after = seen.cut(seen.after)
     return (
         f"In this window: mean {seen.mean:.0f} → {float(after.mean()):.0f}, standard deviation {seen.std:.0f} → "

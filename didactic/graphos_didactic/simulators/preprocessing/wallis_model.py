@@ -104,7 +104,7 @@ class WallisSimulatorParams(Params):
         ),
     ] = 55.0
     picture: Annotated[Literal["photo", "flat"], About(
-        label="Picture", group="Shadow", choices={"photo": "photo", "flat": "no texture, only noise"},
+        label="Picture", group="Shadow", choices={"photo": "photo", "flat": "no texture"},
         help="A photo of the open project (else of the simulated block), or a surface without texture.",
         effect="No texture: the filter has nothing but noise to lift.")] = "photo"  # fmt: skip
 
