@@ -110,7 +110,7 @@ class LearnTab(QWidget):
         self._escape.activated.connect(lambda: self.window().showNormal())
         job = Job(catalogue, name="catalogue", engine=False)
         job.succeeded.connect(self._filled)
-        job.failed.connect(session.tell)
+        job.failed.connect(self._not_filled)
         session.jobs.start(job)
 
     # ----------------------------------------------------------------------------------------------- public
@@ -231,6 +231,15 @@ class LearnTab(QWidget):
         self.welcome.fill(entries)
         kind, name = self._wanted or ("welcome", "")
         self.open(kind, name)
+
+    @Slot(object)
+    def _not_filled(self, problem: BaseException) -> None:
+        """Say on the page itself why it is empty; the messages are hidden here."""
+        self.session.tell(problem)
+        parts = (
+            (problem.what, problem.why, problem.todo) if isinstance(problem, UserError) else (repr(problem),)
+        )
+        self.welcome.say(" ".join(tr(part) for part in parts if part))
 
     # ------------------------------------------------------------------------------- photo of the project
 

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QSettings, QUrl
 from PySide6.QtGui import QTextDocument
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QLabel
 from pytestqt.qtbot import QtBot
 
+from graphos_core.errors import UserError
 from graphos_core.project import Project
 from graphos_core.run import Run
 from graphos_didactic.lab_session import LabSession
@@ -132,6 +133,20 @@ def test_what_is_asked_before_the_list_is_there_opens_later(session: Session, qt
     made.open_lesson("features/sift")
     qtbot.waitUntil(lambda: made.ready, timeout=20_000)
     assert isinstance(made.stack.currentWidget(), LessonPage)
+
+
+def test_a_broken_catalogue_is_said_on_the_page(
+    session: Session, qtbot: QtBot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(run: Run) -> None:
+        raise UserError("The lesson x/y cannot be read.")
+
+    monkeypatch.setattr("graphos_py.tabs.learn.catalogue", broken)
+    made = LearnTab(session)
+    qtbot.addWidget(made)
+    qtbot.waitUntil(
+        lambda: any("x/y" in label.text() for label in made.welcome.findChildren(QLabel)), timeout=10_000
+    )
 
 
 def test_simulators_open_and_lead_back(tab: LearnTab) -> None:
