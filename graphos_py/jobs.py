@@ -7,9 +7,12 @@ from two threads at once.
 
 from __future__ import annotations
 
+import os
+import sys
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 from PySide6.QtCore import QObject, QThread, Signal, Slot
@@ -126,6 +129,8 @@ class Job(QThread):
             while self._engine and not held:
                 self.qt_run.check()
                 held = ENGINE.acquire(timeout=0.1)
+            if held:
+                yield_to_window()
             result = self._work(self.qt_run)
             self.qt_run.flush()
             self.succeeded.emit(result)
@@ -141,6 +146,13 @@ class Job(QThread):
     def stop(self) -> None:
         """Ask the work to stop."""
         self.qt_run.stop()
+
+
+def yield_to_window() -> None:
+    """Let this thread, and those it starts, go behind the window's thread when all processors are busy."""
+    if sys.platform == "linux":  # elsewhere a thread has no nice value of its own
+        with suppress(OSError):
+            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 5)
 
 
 class Jobs(QObject):

@@ -100,11 +100,11 @@ class Declaration:
         low_word = "more than " if about.low_open else ""
         high_word = "less than " if about.high_open else ""
         if about.low is not None and about.high is not None:
-            text = f"{low_word}{about.low:g} to {high_word}{about.high:g}{unit}"
+            text = f"{low_word}{_plain(about.low)} to {high_word}{_plain(about.high)}{unit}"
         elif about.low is not None:
-            text = f"{low_word or 'at least '}{about.low:g}{unit}"
+            text = f"{low_word or 'at least '}{_plain(about.low)}{unit}"
         elif about.high is not None:
-            text = f"{high_word or 'at most '}{about.high:g}{unit}"
+            text = f"{high_word or 'at most '}{_plain(about.high)}{unit}"
         else:
             text = {"int": "a whole number", "float": "a number", "pair": "two numbers"}.get(
                 self.kind, "a text"
@@ -258,6 +258,11 @@ class Params:
     def replace(self, **changes: Any) -> Self:
         """Return a copy with some values changed and everything validated."""
         return self.from_dict(self.to_dict() | changes)
+
+
+def _plain(value: float) -> str:
+    """Return a limit as people write it: 1000000, not 1e+06."""
+    return str(int(value)) if float(value).is_integer() and abs(value) < 1e15 else f"{value:g}"
 
 
 def unknown_name(name: str, known: Mapping[str, Any] | list[str], what: str) -> Text:
