@@ -55,6 +55,11 @@ class ExplainPanel(QScrollArea):
             self._subject = (algorithm, parameter)
             self._later.start()
 
+    @property
+    def subject(self) -> tuple[Algorithm, str] | None:
+        """The algorithm and parameter that are explained; None when nothing is."""
+        return self._subject
+
     def clear(self) -> None:
         """Forget the subject."""
         self._subject = None

@@ -210,6 +210,8 @@ class MainWindow(QMainWindow):
         tab = self.tabs[key]
         if isinstance(tab, StageTab) and tab.panel.boxes:
             self.explain.explain(next(iter(tab.panel.boxes.values())).algorithm)
+        else:
+            self.explain.clear()
 
     def _need_learn(self) -> None:
         layout = self.learn_page.layout()

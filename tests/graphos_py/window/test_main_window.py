@@ -61,6 +61,14 @@ def test_an_estimated_principal_distance_is_flagged(qtbot, window, project_folde
     assert "estimated" in window.images.facts.text()
 
 
+def test_explain_never_talks_about_another_tab(qtbot, window, project_folder):
+    open_project(qtbot, window, project_folder)
+    window.show_tab("quality")
+    qtbot.waitUntil(lambda: window.explain.subject is not None, timeout=5000)
+    window.show_tab("preprocessing")
+    assert window.explain.subject is None  # no filter is chosen there
+
+
 def test_a_step_runs_with_progress_and_its_state_becomes_done(qtbot, window, project_folder):
     open_project(qtbot, window, project_folder)
     window.show_tab("preprocessing")
