@@ -43,26 +43,28 @@ def endings(adjustment: Adjustment) -> list[tuple[str, str]]:
 
 
 def camera_columns(block: Block) -> list[Column]:
-    """Return one row per camera: every parameter of its model with its standard deviation, none where held fixed."""
-    labels = [tr(camera.label) or tr("camera") for camera in block.cameras]
-    photos = np.bincount(np.asarray(block.camera_of_photo), minlength=len(labels))
-    columns = [Column(tr("camera"), labels), Column(tr("photos"), [int(n) for n in photos])]
-    models = [camera_model(camera.model) for camera in block.cameras]
-    for parameter in dict.fromkeys(p for model in models for p in model.parameters):
-        values, sigmas = [], []
-        for camera, model in zip(block.cameras, models):
-            known = parameter.name in model.names
-            place = model.index(parameter.name) if known else 0
-            values.append(float(camera.values[place]) if known else math.nan)
-            sigmas.append(float(camera.sigmas[place]) if known and camera.sigmas is not None else math.nan)
-        symbol = parameter.symbol.replace("_", "")
-        columns.append(Column(symbol, values, parameter.unit, sigmas, 6, tr(parameter.label)))
-        if parameter.name == "focal_px" and any(camera.pixel_pitch_mm for camera in block.cameras):
-            pitch = np.array([camera.pixel_pitch_mm or math.nan for camera in block.cameras])
-            mm = Column("c", np.array(values) * pitch, "mm", np.array(sigmas) * pitch, 6, tr(parameter.label))
-            columns.append(mm)
-    columns.append(Column(tr("model"), [tr(model.label) for model in models]))
-    return columns
+    """Return one row per parameter of every camera: value, standard deviation and unit, or that it was held fixed."""
+    rows: list[tuple[str, str, str, float, float, str, str]] = []
+    for camera in block.cameras:
+        name, model = tr(camera.label) or tr("camera"), camera_model(camera.model)
+        for place, parameter in enumerate(model.parameters):
+            value = float(camera.values[place])
+            sigma = 0.0 if camera.sigmas is None else float(camera.sigmas[place])
+            state = tr("estimated") if sigma > 0 else tr("held fixed")
+            label, symbol = tr(parameter.label), parameter.symbol.replace("_", "")
+            rows.append((name, label, symbol, value, sigma or math.nan, parameter.unit, state))
+            if parameter.name == "focal_px" and camera.pixel_pitch_mm:
+                pitch = camera.pixel_pitch_mm
+                rows.append((name, label, "c", value * pitch, (sigma or math.nan) * pitch, "mm", state))
+    names, labels, symbols, values, sigmas, units, states = (list(column) for column in zip(*rows))
+    return [
+        Column(tr("camera"), names),
+        Column(tr("parameter"), labels),
+        Column(tr("symbol"), symbols),
+        Column(tr("value"), values, sigmas=sigmas, digits=6),
+        Column(tr("unit"), units),
+        Column(tr("state"), states),
+    ]
 
 
 def photo_columns(adjustment: Adjustment) -> list[Column]:

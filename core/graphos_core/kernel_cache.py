@@ -35,7 +35,7 @@ def use_kernel_cache() -> None:
         folder = home / f"kernels-{kernel_fingerprint()}"
         if not folder.is_dir():
             folder.mkdir(parents=True)
-            _remove_old(home)
+            _remove_old(home, folder)
         os.environ["NUMBA_CACHE_DIR"] = str(folder)
 
 
@@ -47,7 +47,9 @@ def _cache_home() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
 
 
-def _remove_old(home: Path) -> None:
-    folders = sorted(home.glob("kernels-*"), key=lambda f: f.stat().st_mtime, reverse=True)
-    for folder in folders[KEPT:]:
+def _remove_old(home: Path, new: Path) -> None:
+    others = sorted(
+        (f for f in home.glob("kernels-*") if f != new), key=lambda f: f.stat().st_mtime, reverse=True
+    )
+    for folder in others[KEPT - 1 :]:
         shutil.rmtree(folder, ignore_errors=True)
