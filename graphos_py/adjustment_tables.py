@@ -29,10 +29,16 @@ def summary(adjustment: Adjustment, georeference: Georeference) -> list[tuple[st
         (tr("unit of the object space"), tr(block.unit)),
     ]
     if math.isfinite(georeference.rms_m):
-        facts.append((tr("control RMS per coordinate"), format_value(georeference.rms_m, unit="m", digits=3)))
+        facts.append(
+            (tr("control RMS per coordinate"), format_value(1000 * georeference.rms_m, unit="mm", digits=3))
+        )
     if math.isfinite(georeference.check_rms_m):
         facts.insert(
-            9, (tr("check RMS per coordinate"), format_value(georeference.check_rms_m, unit="m", digits=3))
+            9,
+            (
+                tr("check RMS per coordinate"),
+                format_value(1000 * georeference.check_rms_m, unit="mm", digits=3),
+            ),
         )
     return facts
 
