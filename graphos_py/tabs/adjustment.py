@@ -81,6 +81,7 @@ class AdjustmentTab(StageTab):
         )
 
         self._show_block(adjustment.block)
+        self.cloud.set_sigmas(adjustment.sigma_points)
         self.summary.setText(_cells_html(summary(adjustment, georeference), endings(adjustment)))
         self.cameras.set_table(camera_columns(adjustment.block))
         self.photos.set_table(photo_columns(adjustment))

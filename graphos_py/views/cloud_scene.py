@@ -54,6 +54,8 @@ class CloudScene:
     colours : uint8 (n, 3)
     normals : float32 (n, 3) or None
     views : uint8 (n,) or None
+    sigmas : float64 (n, 3) or None
+        Standard deviations of the coordinates, in `unit`.
     values : float (n,) or None
         Any figure per point, such as the distance from a reference.
     unit : str
@@ -66,6 +68,7 @@ class CloudScene:
     colours: Array = field(default_factory=lambda: np.zeros((0, 3), np.uint8))
     normals: Array | None = None
     views: Array | None = None
+    sigmas: Array | None = None
     values: Array | None = None
     value_legend: Legend | None = None
     unit: str = "model units"
@@ -82,11 +85,11 @@ class CloudScene:
     # cloud
 
     def set_points(self, points: Array, colours: Array | None) -> None:
-        """Take a new cloud; normals, views and values of the last one are dropped."""
+        """Take a new cloud; what is known of the points of the last one is dropped."""
         self.points = np.asarray(points, np.float64).reshape(-1, 3)
         grey = np.full((len(self.points), 3), 170, np.uint8)
         self.colours = grey if colours is None else np.asarray(colours, np.uint8).reshape(-1, 3)
-        self.normals = self.views = self.values = self.value_legend = None
+        self.normals = self.views = self.sigmas = self.values = self.value_legend = None
         self._measure_box()
 
     def prepare(self, mode: str) -> PreparedCloud:

@@ -21,7 +21,7 @@ from graphos_py.views.cloud_overlay import CloudOverlay
 from graphos_py.views.cloud_picture import Picture
 from graphos_py.views.cloud_scene import RGB, VALUES, CloudScene, Legend
 from graphos_py.views.export import Writer, export_menu, write_csv, write_png, write_svg
-from graphos_py.views.measurement import Measurement, coordinates_text
+from graphos_py.views.measurement import Measurement
 from graphos_py.views.painting import is_dark, round_step
 
 DENSE_FROM = 60_000
@@ -131,6 +131,11 @@ class CloudView(QWidget):
         self._forget_prepared()
         self._first_sight()
         self._write()
+
+    def set_sigmas(self, sigmas: Array) -> None:
+        """Tell the standard deviations (n, 3) of the points of the present cloud, in its unit, for measuring."""
+        if len(sigmas) == len(self.scene.points):
+            self.scene.sigmas = np.asarray(sigmas, np.float64)
 
     def set_cameras(
         self,
@@ -374,9 +379,9 @@ class CloudView(QWidget):
 
     def _write(self) -> None:
         if self.measurement.points:
-            self._text.setText(self.measurement.text())
+            self._text.setText("   ".join(filter(None, (self.measurement.text(), self.measurement.reason()))))
         elif self.picked >= 0:
-            self._text.setText(f"#{self.picked}   {coordinates_text(self.scene, self.picked)}")
+            self._text.setText(f"#{self.picked}   {self.measurement.coordinates(self.picked)}")
         elif self.bar.measure.isChecked():
             self._text.setText(self.tr("Click a point: its coordinates; a second: distance; a third: angle"))
         elif 0 <= self.selected_camera < len(self.scene.names):

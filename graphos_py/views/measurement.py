@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from graphos_core.data.record import Array
-from graphos_core.number_format import THIN_SPACE, group_thousands
+from graphos_core.number_format import THIN_SPACE, format_value, group_thousands
+from graphos_core.quality.measure import Measured, PickedPoint, angle, distance, point_in_cloud
 from graphos_py.translation import tr
 from graphos_py.views.cloud_scene import CloudScene
 
@@ -30,32 +30,50 @@ class Measurement:
         """Add a point."""
         self.points = [*self.points, index] if len(self.points) < 3 else [index]
 
-    def distance(self) -> float | None:
-        """Return the distance of two points in the cloud's unit; None for another number of points."""
-        if len(self.points) != 2:
-            return None
-        a, b = self._places()
-        return float(np.linalg.norm(b - a))
+    def place(self, index: int) -> PickedPoint:
+        """Return a point of the cloud with its standard deviations, or the reason why there are none."""
+        xyz, sigmas = self.scene.points[index], self.scene.sigmas
+        if sigmas is None or not (np.isfinite(sigmas[index]).all() and (sigmas[index] > 0).all()):
+            return point_in_cloud(xyz, self.scene.unit)
+        return PickedPoint(xyz=xyz, sigma=sigmas[index], unit=self.scene.unit)
 
-    def angle(self) -> float | None:
-        """Return the angle at the second of three points, radians; None for another number of points."""
-        if len(self.points) != 3:
-            return None
-        first, middle, last = self._places()
-        a, b = first - middle, last - middle
-        return math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
+    def distance(self) -> Measured | None:
+        """Return the distance of two points in the cloud's unit; None for another number of points."""
+        return distance(*map(self.place, self.points)) if len(self.points) == 2 else None
+
+    def angle(self) -> Measured | None:
+        """Return the angle at the second of three points, degrees; None for another number of points."""
+        return angle(*map(self.place, self.points)) if len(self.points) == 3 else None
 
     def text(self) -> str:
         """Return what is measured, for people; empty without points."""
-        distance, angle = self.distance(), self.angle()
-        if distance is not None:
-            return tr("distance {d}", d=length_text(self.scene, distance))
-        if angle is not None:
-            return tr("angle at the second point {a}°", a=f"{math.degrees(angle):.2f}")
-        return coordinates_text(self.scene, self.points[0]) if self.points else ""
+        length, corner = self.distance(), self.angle()
+        if length is not None:
+            shown = length_text(self.scene, length.value)
+            if length.sigma is not None:
+                shown = format_value(length.value, length.sigma, length.unit)
+            return tr("distance {d}", d=shown)
+        if corner is not None:
+            shown = (
+                f"{corner.value:.2f}" if corner.sigma is None else format_value(corner.value, corner.sigma)
+            )
+            return tr("angle at the second point {a}°", a=shown)
+        return self.coordinates(self.points[0]) if self.points else ""
 
-    def _places(self) -> Array:
-        return self.scene.points[self.points]
+    def reason(self) -> str:
+        """Return why what is measured has no standard deviation; empty where it has one, or nothing is measured."""
+        measured = self.distance() or self.angle()
+        if measured is not None:
+            return tr(measured.reason)
+        return tr(self.place(self.points[0]).reason) if self.points else ""
+
+    def coordinates(self, index: int) -> str:
+        """Return the coordinates of a point for people, with standard deviations where they are known."""
+        sigma = self.place(index).sigma
+        if sigma is None:
+            return coordinates_text(self.scene, index)
+        shown = [format_value(v, s) for v, s in zip(self.scene.points[index], sigma, strict=True)]
+        return f"X {shown[0]}   Y {shown[1]}   Z {shown[2]}{THIN_SPACE}{self.scene.unit}"
 
 
 def coordinates_text(scene: CloudScene, index: int) -> str:

@@ -1,6 +1,5 @@
 """The 3D view: what is clicked is what is meant, measuring, cameras, and it never waits for a picture."""
 
-import math
 import threading
 import time
 
@@ -51,8 +50,8 @@ def test_two_clicks_measure_a_distance_and_three_an_angle(view: CloudView) -> No
     for index in (0, 1, 2):
         QTest.mouseClick(view.canvas, Qt.MouseButton.LeftButton, pos=place(view, view.scene.points[index]))
         if index == 1:
-            assert view.measurement.distance() == pytest.approx(3.0)
-    assert view.measurement.angle() == pytest.approx(math.pi / 2)
+            assert view.measurement.distance().value == pytest.approx(3.0)
+    assert view.measurement.angle().value == pytest.approx(90.0)
     assert "90.00°" in view.measurement.text()
     QTest.keyClick(view, Qt.Key.Key_Escape)
     assert view.measurement.points == []
@@ -66,6 +65,19 @@ def test_the_unit_is_metres_only_when_the_cloud_is_in_metres() -> None:
     assert measurement.text().endswith("model units")
     scene.unit = "m"
     assert measurement.text().endswith("\u2009m")
+
+
+def test_a_measured_distance_has_its_standard_deviation_or_the_reason_why_not() -> None:
+    scene = CloudScene()
+    scene.set_points(np.array([[0.0, 0, 0], [3.0, 0, 0], [3.0, 1, 0]]), None)
+    measurement = Measurement(scene)
+    measurement.points = [0, 1]
+    assert "dense cloud" in measurement.reason()
+    scene.sigmas = np.array([[0.003, 1, 1], [0.004, 1, 1], [np.inf, 1, 1]])
+    assert measurement.reason() == ""
+    assert "3.0000 ± 0.0050" in measurement.text()
+    measurement.points = [0, 2]
+    assert measurement.distance().sigma is None
 
 
 def test_the_wheel_keeps_the_point_under_the_cursor(view: CloudView, qtbot: QtBot) -> None:
