@@ -19,6 +19,7 @@ from graphos_core.data import Array, Block, Cloud, Features, PhotoSet
 from graphos_core.errors import UserError
 from graphos_core.images import read_pixels
 from graphos_core.number_format import format_value
+from graphos_core.preprocessing.chain import apply_filters
 from graphos_core.preprocessing.grey import eight_bit
 from graphos_core.project_file import inside
 from graphos_core.registry import Stage
@@ -90,10 +91,7 @@ def _images(pipeline: Pipeline, folder: Path, run: Run) -> Any:
         return PreprocessingResult()
     files: list[str] = []
     for index, photo in enumerate(each(run, pipeline.photos.photos, "photos")):
-        image = read_pixels(photo)
-        for algorithm, params in chain:
-            run.check()
-            image = algorithm.function(image, params, run=run)
+        image = apply_filters(read_pixels(photo), chain, run)
         name = f"{index:05d}.png"
         done, encoded = cv2.imencode(".png", image if image.ndim == 2 else image[:, :, ::-1])
         if not done:
