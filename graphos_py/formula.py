@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from io import BytesIO
 
-from PySide6.QtGui import QImage, QPixmap
+from PySide6.QtGui import QImage
 
 from graphos_didactic.formula_outline import TYPESETTER
 
@@ -46,8 +46,3 @@ def formula_image(mathtext: str, colour: str, points: float, ratio: float = 1.0)
     image = QImage.fromData(buffer.getvalue())
     image.setDevicePixelRatio(ratio)
     return image
-
-
-def formula_pixmap(mathtext: str, colour: str, points: float, ratio: float = 1.0) -> QPixmap:
-    """Return the picture of `formula_image` for a label; only in the window's thread."""
-    return QPixmap.fromImage(formula_image(mathtext, colour, points, ratio))

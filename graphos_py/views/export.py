@@ -7,7 +7,6 @@ import io
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 from PySide6.QtCore import QPoint, QSize
@@ -19,12 +18,6 @@ from graphos_py.translation import tr
 from graphos_py.views.background import Background
 
 Writer = Callable[[Path], None]
-
-
-class Exportable(Protocol):
-    """A view that can be exported: writers by file ending, the best first."""
-
-    def exports(self) -> dict[str, Writer]: ...
 
 
 def image_from_array(array: Array) -> QImage:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graphos_core.cameras import ray_from_pixel
-from graphos_core.data import Adjustment, Array, Block, DepthMap, record
+from graphos_core.data import Array, record
 from graphos_core.text import Text
 
 NOT_ADJUSTED = Text(
@@ -58,63 +57,6 @@ class Measured:
 def point_in_cloud(xyz: Array, unit: str) -> PickedPoint:
     """Return a point picked in a dense cloud; its precision is not known."""
     return PickedPoint(xyz=np.asarray(xyz, dtype=np.float64), sigma=None, unit=unit, reason=NOT_ADJUSTED)
-
-
-def tie_point(adjustment: Adjustment, index: int) -> PickedPoint:
-    """Return an object point of the adjusted block with its standard deviations."""
-    block = adjustment.block
-    sigma = np.asarray(adjustment.sigma_points[index])
-    if not (np.isfinite(sigma).all() and (sigma > 0).all()):
-        return PickedPoint(
-            xyz=block.points[index], sigma=None, unit=block.unit,
-            reason=Text("No standard deviation: the adjustment did not compute one for this point."),
-        )  # fmt: skip
-    return PickedPoint(xyz=block.points[index], sigma=sigma, unit=block.unit)
-
-
-def nearest_tie_point(adjustment: Adjustment, photo: int, xy: Array, *, within_px: float = 8.0) -> int | None:
-    """Return the object point measured nearest to a pixel of a photo, or None where none is near.
-
-    Parameters
-    ----------
-    adjustment : Adjustment
-    photo : int
-    xy : float64 (2,)
-        Px of the full photo.
-    within_px : float
-    """
-    block = adjustment.block
-    mine = np.flatnonzero(block.obs_photo == photo)
-    if len(mine) == 0:
-        return None
-    away = np.linalg.norm(block.obs_xy[mine] - np.asarray(xy), axis=1)
-    best = int(np.argmin(away))
-    return int(block.obs_point[mine[best]]) if away[best] <= within_px else None
-
-
-def point_from_photo(block: Block, depth_map: DepthMap, xy: Array) -> PickedPoint | None:
-    """Return the object point seen at a pixel of a full photo, by its depth map; None where no depth is known.
-
-    Parameters
-    ----------
-    block : Block
-    depth_map : DepthMap
-        Of the photo.
-    xy : float64 (2,)
-        Px of the full, distorted photo.
-    """
-    photo = depth_map.photo
-    camera = block.cameras[int(block.camera_of_photo[photo])]
-    ray = ray_from_pixel(camera, np.asarray(xy, dtype=np.float64).reshape(1, 2))[0]
-    if not np.isfinite(ray).all():
-        return None
-    x = round(float(ray[0] * depth_map.focal_px + depth_map.cx))
-    y = round(float(ray[1] * depth_map.focal_px + depth_map.cy))
-    h, w = depth_map.depth.shape
-    if not (0 <= x < w and 0 <= y < h) or not np.isfinite(depth_map.depth[y, x]):
-        return None
-    xyz = ray * float(depth_map.depth[y, x]) @ block.rotations[photo] + block.centres[photo]
-    return point_in_cloud(xyz, block.unit)
 
 
 def distance(a: PickedPoint, b: PickedPoint) -> Measured:

@@ -61,24 +61,3 @@ def nmad(values: Array) -> float:
     """Return ``1.4826 · median(|v − median(v)|)``, the robust spread; same unit as the values."""
     values = np.asarray(values, dtype=np.float64)
     return float(1.4826 * np.median(np.abs(values - np.median(values))))
-
-
-def distance_histogram(
-    distances: Array, bins: int = 61, *, reach: float | None = None
-) -> tuple[Array, Array]:
-    """Return counts int64 (bins,) and edges float64 (bins + 1,) of a histogram that is symmetric about zero.
-
-    Parameters
-    ----------
-    distances : float64 (n,)
-        NaN is left out.
-    bins : int
-    reach : float, optional
-        Largest absolute distance shown; by default 1.5 times the 95 % quantile. What lies farther is not counted.
-    """
-    known = np.asarray(distances, dtype=np.float64)
-    known = known[np.isfinite(known)]
-    if reach is None:
-        reach = 1.5 * float(np.quantile(np.abs(known), 0.95)) if len(known) else 1.0
-    counts, edges = np.histogram(known, bins=bins, range=(-(reach or 1.0), reach or 1.0))
-    return counts, edges

@@ -1,7 +1,7 @@
 import numpy as np
 
 from graphos_core.data import Features, PairMatches
-from graphos_core.features.graph import components, match_counts, separated_photos
+from graphos_core.features.graph import components, match_counts
 from graphos_core.features.tracks import TrackParams, tracks
 from graphos_core.run import Run
 
@@ -102,13 +102,9 @@ def test_no_matches_give_no_tracks() -> None:
     assert found.components == ((0,), (1,), (2,), (3,))
 
 
-def test_groups_come_largest_first_and_separated_photos_are_named_with_a_reason() -> None:
+def test_groups_come_largest_first_and_verified_matches_are_counted() -> None:
     pairs = [pair(1, 2, [(0, 0)]), pair(2, 3, [(0, 0)]), pair(4, 5, [(0, 0)]),
              pair(0, 1, [], "only 9 verified matches of 40, 15 needed", 40), pair(0, 2, [], "x", 3)]  # fmt: skip
     assert components(6, pairs) == ((1, 2, 3), (4, 5), (0,))
-    failures = {f.item: f.reason for f in separated_photos(["a", "b", "c", "d", "e", "f"], pairs)}
-    assert failures.keys() == {"a", "e", "f"}
-    assert "best with b: only 9 verified matches of 40, 15 needed" in failures["a"]
-    assert "connected with f only" in failures["e"]
     table = match_counts(6, pairs)
     assert table[2, 1] == table[1, 2] == 1 and table.sum() == 6

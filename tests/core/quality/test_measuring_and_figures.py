@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from graphos_core.cameras import pixel_from_ray
-from graphos_core.data import Adjustment, Block, Camera, DepthMap, PairMatches
+from graphos_core.data import Adjustment, Block, Camera, PairMatches
 from graphos_core.geometry.rotation import look_at
 from graphos_core.quality import measure
 from graphos_core.quality.advice import advice
@@ -68,31 +68,6 @@ def test_without_known_precision_there_is_a_reason_instead() -> None:
     found = measure.distance(measure.point_in_cloud(np.zeros(3), "m"), picked([1.0, 0.0, 0.0], 0.1))
     assert found.sigma is None
     assert "No standard deviation" in found.reason
-
-
-def test_a_pixel_leads_through_distortion_and_depth_to_its_object_point() -> None:
-    block = small_block().block
-    true = np.array([0.7, -0.4, 0.2])
-    pixel = pixel_from_ray(block.cameras[0], ((true - block.centres[1]) @ block.rotations[1].T)[None])[0]
-    depth = float((true - block.centres[1]) @ block.rotations[1][2])
-    flat = DepthMap(
-        photo=1, depth=np.full((150, 200), depth, np.float32), confidence=np.ones((150, 200), np.float32),
-        focal_px=200.0, cx=99.5, cy=74.5,
-    )  # fmt: skip
-    found = measure.point_from_photo(block, flat, pixel)
-    assert found is not None
-    np.testing.assert_allclose(found.xyz, true, atol=1e-6)
-    assert measure.point_from_photo(block, flat, np.array([-500.0, 0.0])) is None
-
-
-def test_the_nearest_tie_point_brings_its_standard_deviation() -> None:
-    adjustment = small_block()
-    wanted = 17
-    row = np.flatnonzero((adjustment.block.obs_point == wanted) & (adjustment.block.obs_photo == 2))[0]
-    index = measure.nearest_tie_point(adjustment, 2, adjustment.block.obs_xy[row] + 0.05)
-    assert index == wanted
-    np.testing.assert_allclose(measure.tie_point(adjustment, index).sigma, 0.01)
-    assert measure.nearest_tie_point(adjustment, 2, np.array([-90.0, -90.0])) is None
 
 
 def test_figures_are_those_of_the_geometry_that_was_made() -> None:

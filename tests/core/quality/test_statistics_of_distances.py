@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graphos_core.quality.statistics import DEFINITIONS, distance_histogram, distance_statistics
+from graphos_core.quality.statistics import DEFINITIONS, distance_statistics
 
 
 def test_normal_noise_gives_back_its_parameters() -> None:
@@ -39,9 +39,3 @@ def test_no_distances_give_no_numbers() -> None:
     found = distance_statistics(np.empty(0))
     assert found["count"] == 0
     assert np.isnan(found["rmse"])
-
-
-def test_the_histogram_is_symmetric_and_counts_what_lies_inside() -> None:
-    counts, edges = distance_histogram(np.array([-1.0, 0.0, 0.2, 5.0, np.nan]), bins=5, reach=2.0)
-    assert counts.sum() == 3
-    np.testing.assert_allclose(edges, -edges[::-1])
