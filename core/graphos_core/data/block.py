@@ -1,4 +1,4 @@
-"""The oriented block and its adjustment."""
+"""The oriented block."""
 
 from __future__ import annotations
 
@@ -34,6 +34,8 @@ class Block:
         no pair occurs twice.
     obs_xy : float64 (m, 2)
         Measured position, px.
+    obs_sigma_px : float64 (m,) or None
+        A priori standard deviation of each observation per coordinate, px; None where all are alike (1 px).
     unit : str
         ``"m"`` after georeferencing or scaling, ``"model units"`` before.
     failures : tuple of ItemFailure
@@ -52,6 +54,7 @@ class Block:
     obs_photo: Array
     obs_point: Array
     obs_xy: Array
+    obs_sigma_px: Array | None = None
     unit: str = "model units"
     failures: tuple[ItemFailure, ...] = ()
 
@@ -68,82 +71,8 @@ class Block:
         check_shape("photos of observations", self.obs_photo, m)
         check_shape("points of observations", self.obs_point, m)
         check_shape("observations", self.obs_xy, m, 2)
+        if self.obs_sigma_px is not None:
+            check_shape("standard deviations of observations", self.obs_sigma_px, m)
         check_indices("cameras", self.camera_of_photo, len(self.cameras))
         check_indices("photos", self.obs_photo, n)
         check_indices("points", self.obs_point, p)
-
-
-@record
-class IterationRecord:
-    """One iteration of the adjustment.
-
-    Attributes
-    ----------
-    iteration : int
-    cost : float
-        ½ Σ ρ(r²) in px², robustly weighted as adjusted.
-    step : float
-        Norm of the parameter step relative to the norm of the parameters.
-    damping : float
-        Levenberg–Marquardt damping λ.
-    gradient : float
-        Largest element of the gradient, absolute.
-    accepted : bool
-    """
-
-    iteration: int
-    cost: float
-    step: float
-    damping: float
-    gradient: float
-    accepted: bool
-
-
-@record
-class Adjustment:
-    """An adjusted block with its statistics.
-
-    Attributes
-    ----------
-    block : Block
-        Adjusted; its cameras carry `Camera.sigmas`.
-    sigma0_px : float
-        A posteriori standard deviation of unit weight (1 px a priori), ``sqrt(vᵀPv / r)``, px.
-    redundancy : int
-        observations − unknowns + datum conditions.
-    observations, unknowns : int
-        Numbers in the least-squares sense: two per image point; datum defect not subtracted.
-    datum : str
-        How the datum was defined, in words.
-    rms_px : float
-        Root mean square of the image residuals per coordinate, over all observations, px of the full photo.
-    residuals : float64 (m, 2)
-        Projected − measured, px, in the order of the block's observations.
-    weights : float64 (m,)
-        Final robust weight of each observation, 0 to 1.
-    sigma_rotations : float64 (n, 3)
-        Standard deviations of small rotations about the camera's x, y, z axes, radians; 0 where not oriented.
-    sigma_centres : float64 (n, 3)
-        Standard deviations of the projection centres, in the block's unit; 0 where not oriented.
-    sigma_points : float64 (p, 3)
-        Standard deviations of the object points, in the block's unit.
-    iterations : tuple of IterationRecord
-    converged : bool
-    stop_reason : str
-    """
-
-    block: Block
-    sigma0_px: float
-    redundancy: int
-    observations: int
-    unknowns: int
-    datum: str
-    rms_px: float
-    residuals: Array
-    weights: Array
-    sigma_rotations: Array
-    sigma_centres: Array
-    sigma_points: Array
-    iterations: tuple[IterationRecord, ...]
-    converged: bool
-    stop_reason: str
