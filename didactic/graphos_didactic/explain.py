@@ -68,7 +68,7 @@ def explain_algorithm(algorithm: Algorithm) -> Explanation:
         effect="",
         facts=(),
         fails=own.fails if own else "",
-        trials=own.trials if own else (),
+        trials=own.trials if own and own.algorithm else (),
         source=algorithm.source,
         lesson=lesson.name if lesson else "",
         simulator=lesson.simulator if lesson else "",

@@ -17,7 +17,10 @@ In the text ``$…$`` is a formula, and three directives stand for what the prog
 
 - ``{{preprocessing.wallis.window}}``: default of a parameter with its unit; with ``.range`` its range;
 - ``:::parameters preprocessing.wallis``: table of the parameters;
-- ``:::picture adjustment/intersection PRESET``: the scene of a simulator, drawn by the engine.
+- ``:::picture adjustment/intersection PRESET``: the scene of a simulator, drawn by the engine;
+- ``:::camera fraser``: formula, direction and parameters of a camera model.
+
+What there is to try are parameters of the algorithm; in a lesson without one, those of its simulator.
 """
 
 from __future__ import annotations
@@ -30,8 +33,9 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
+from graphos_core.cameras import camera_model
 from graphos_core.errors import UserError
-from graphos_core.params import Declaration, unknown_name
+from graphos_core.params import Declaration, Params, unknown_name
 from graphos_core.registry import STAGES, find
 from graphos_core.text import Text
 
@@ -101,6 +105,8 @@ class Lesson:
             words = found[2].split()
             if found[1] == "parameters":
                 return parameter_table(*words[0].split(".", 1))
+            if found[1] == "camera":
+                return camera_table(words[0])
             if found[1] == "picture":
                 preset = words[1] if len(words) > 1 else ""
                 return f"![{self.title}]({picture(words[0], preset)})"
@@ -171,6 +177,34 @@ def parameter_table(stage: str, name: str) -> str:
         ]
         rows.append("| " + " | ".join(str(cell).replace("|", "\\|") for cell in cells) + " |")
     return "\n".join(rows)
+
+
+def camera_table(name: str) -> str:
+    """Return formula, direction and parameters of a camera model in Markdown, made from its declaration."""
+    model = camera_model(name)
+    lines = [f"$${line}$$" for line in model.formula.splitlines() if line.strip()]
+    lines += [
+        "",
+        f"Direction: {model.direction}.",
+        "",
+        "| parameter | symbol | unit | part |",
+        "|---|---|---|---|",
+    ]
+    for parameter in model.parameters:
+        unit = parameter.unit or "none"
+        lines.append(f"| {parameter.label} | ${parameter.symbol}$ | {unit} | {parameter.group} |")
+    return "\n".join([*lines, "", f"*Source: {model.source}.*"])
+
+
+def trial_sheet(lesson: Lesson) -> type[Params] | None:
+    """Return the sheet whose parameters a lesson's trials set: of its algorithm, else of its simulator."""
+    if lesson.algorithm:
+        return find(*lesson.algorithm.split(".", 1)).params
+    if lesson.simulator:
+        from graphos_didactic.simulator import find_simulator
+
+        return find_simulator(lesson.simulator).params
+    return None
 
 
 def default_text(declaration: Declaration) -> str:

@@ -21,7 +21,7 @@ Role = Literal[
 Dash = Literal["solid", "dash", "dot", "dashdot"]
 Marker = Literal["circle", "ring", "square", "cross", "plus", "triangle", "diamond"]
 PanelKind = Literal["plot", "picture", "sheet"]
-Freedom = Literal["both", "x", "y", "turn"]
+Freedom = Literal["both", "x", "y", "turn", "slide"]
 Point: TypeAlias = tuple[float, float]
 
 
@@ -193,7 +193,7 @@ class Sentence(Mark):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Handle(Mark):
-    """A place that can be dragged and changes one or two parameters.
+    """A place that can be dragged and changes one or more parameters.
 
     Attributes
     ----------
@@ -206,8 +206,8 @@ class Handle(Mark):
     move : callable
         ``move(x, y)`` gives the wished values by parameter name for a place in panel coordinates; limits are
         applied by `graphos_didactic.simulator.drag`.
-    freedom : {"both", "x", "y", "turn"}
-        Which way it can go.
+    freedom : {"both", "x", "y", "turn", "slide"}
+        Which way it can go; ``"slide"`` stays on a line or surface, not always under the pointer.
     nudge : tuple of float
         Step of an arrow key in panel coordinates.
     grip : float64 (n, 2) or None

@@ -169,6 +169,7 @@ class Simulator:
     challenge: Callable[[int], Task]
     learn: str = ""
     version: int = 1
+    place: int = 100
 
     @property
     def key(self) -> str:
@@ -211,6 +212,7 @@ def simulator(
     challenge: Callable[[int], Task],
     learn: str = "",
     version: int = 1,
+    place: int = 100,
 ) -> Callable[[Function], Function]:
     """Declare the decorated function ``(params, setting) -> Scene`` as a simulator.
 
@@ -230,6 +232,8 @@ def simulator(
         Lesson about it.
     version : int
         Raised when old state files would show something else.
+    place : int
+        Where it stands among those of its room: from low to high, then by name.
 
     Raises
     ------
@@ -243,7 +247,7 @@ def simulator(
             raise ValueError(f"{room}/{name}: the argument params needs a Params subclass as its type")
         made = Simulator(
             room, name, title, summary, first, source, sheet, function, engine, presets, steps, prediction,
-            challenge, learn, version,
+            challenge, learn, version, place,
         )  # fmt: skip
         _declared[made.key] = made
         return function
@@ -261,10 +265,10 @@ def _load() -> None:
 
 
 def simulators(room: str | None = None) -> list[Simulator]:
-    """Return all simulators, of one room if given, in the order of the workflow."""
+    """Return all simulators, of one room if given, in the order of the workflow and of their places."""
     _load()
     found = [s for s in _declared.values() if room in (None, s.room)]
-    return sorted(found, key=lambda s: (STAGES.index(s.room), s.name))
+    return sorted(found, key=lambda s: (STAGES.index(s.room), s.place, s.name))
 
 
 def find_simulator(key: str) -> Simulator:

@@ -125,6 +125,15 @@ class LearnTab(QWidget):
         """Open a simulator by room and name."""
         self.open("simulator", key)
 
+    def try_simulator(self, key: str, values: dict[str, Any]) -> None:
+        """Open a simulator with these values of its parameters."""
+        from graphos_py.tabs.simulator_page import SimulatorPage
+
+        self.open_simulator(key)
+        page = self.stack.currentWidget()
+        if isinstance(page, SimulatorPage):
+            page.show_params(page.simulator.params.from_dict(values))
+
     def open_lesson(self, name: str) -> None:
         """Open a lesson by room and name."""
         self.open("lesson", name)
@@ -177,6 +186,7 @@ class LearnTab(QWidget):
         page.left.connect(self.leave)
         page.lesson_asked.connect(self.open_lesson)
         page.simulator_asked.connect(self.open_simulator)
+        page.simulator_tried.connect(self.try_simulator)
         page.stage_asked.connect(self._go_to)
         return page
 

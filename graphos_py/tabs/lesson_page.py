@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from graphos_core.registry import candidate_stage, find
-from graphos_didactic.lessons import Lesson, Trial, default_text
+from graphos_didactic.lessons import Lesson, Trial, default_text, trial_sheet
 from graphos_py.icons import bind_icon
 from graphos_py.session import STAGE_LABELS, Session
 from graphos_py.theme import theme
@@ -24,12 +24,15 @@ class LessonPage(QWidget):
     left
         Back to the first page.
     lesson_asked, simulator_asked, stage_asked : str
+    simulator_tried : str, object
+        A simulator with the values of some of its parameters.
     """
 
     left = Signal()
     lesson_asked = Signal(str)
     simulator_asked = Signal(str)
     stage_asked = Signal(str)
+    simulator_tried = Signal(str, object)
 
     def __init__(self, session: Session, lesson: Lesson, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -81,7 +84,8 @@ class LessonPage(QWidget):
             play.clicked.connect(lambda: self.simulator_asked.emit(self.lesson.simulator))
             column.addWidget(play)
         if self.lesson.trials:
-            column.addWidget(_group(tr("Try this on your own photos")))
+            own = tr("Try this on your own photos") if self.lesson.algorithm else tr("Try this")
+            column.addWidget(_group(own))
             for trial in self.lesson.trials:
                 column.addWidget(self._card(trial))
         self.go = QPushButton()
@@ -108,7 +112,7 @@ class LessonPage(QWidget):
         change = QLabel(self._change(trial))
         change.setWordWrap(True)
         change.setProperty("role", "caption")
-        button = QPushButton(tr("Set it"))
+        button = QPushButton(tr("Set it") if self.lesson.algorithm else tr("Show it"))
         button.clicked.connect(partial(self.try_it, trial))
         self.tries.append(button)
         for widget in (what, change):
@@ -118,7 +122,8 @@ class LessonPage(QWidget):
 
     def _change(self, trial: Trial) -> str:
         """Return which parameters are set, with what they normally are."""
-        declarations = find(*self.lesson.algorithm.split(".", 1)).params.declarations()
+        sheet = trial_sheet(self.lesson)
+        declarations = sheet.declarations() if sheet else {}
         lines = []
         for name, value in trial.values.items():
             declaration = declarations[name]
@@ -137,7 +142,10 @@ class LessonPage(QWidget):
         return "\n".join(lines)
 
     def try_it(self, trial: Trial) -> None:
-        """Put the parameter set into the recipe, and choose the algorithm if it is not in use."""
+        """Put the parameter set into the recipe, or open the simulator with it; choose the algorithm if not in use."""
+        if not self.lesson.algorithm:
+            self.simulator_tried.emit(self.lesson.simulator, trial.values)
+            return
         recipe = self.session.recipe
         if recipe is None:
             self.said.setText(tr("The engine is still being loaded; try again in a moment."))

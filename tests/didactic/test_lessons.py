@@ -15,7 +15,15 @@ import graphos_didactic
 from graphos_core.errors import UserError
 from graphos_core.registry import STAGES, algorithms, find
 from graphos_didactic.explain import explain_algorithm, explain_parameter, lesson_about
-from graphos_didactic.lessons import NUMBER, Lesson, find_lesson, lessons, parameter_table, read_lesson
+from graphos_didactic.lessons import (
+    NUMBER,
+    Lesson,
+    find_lesson,
+    lessons,
+    parameter_table,
+    read_lesson,
+    trial_sheet,
+)
 from graphos_didactic.simulator import find_simulator, simulators
 
 ALL = sorted(lessons())
@@ -81,12 +89,10 @@ def test_every_directive_of_a_lesson_is_known(name: str) -> None:
 @pytest.mark.parametrize("name", ALL)
 def test_every_trial_of_a_lesson_is_valid_and_changes_something(name: str) -> None:
     lesson = find_lesson(name)
-    if lesson.algorithm:
-        sheet = find(*lesson.algorithm.split(".", 1)).params
-        for trial in lesson.trials:
-            assert sheet.from_dict(trial.values) != sheet(), trial.what
-    else:
-        assert not lesson.trials
+    sheet = trial_sheet(lesson)
+    for trial in lesson.trials:
+        assert sheet is not None
+        assert sheet.from_dict(trial.values) != sheet(), trial.what
     if lesson.simulator:
         find_simulator(lesson.simulator)
 

@@ -105,3 +105,66 @@ def look_at(centre: Array, target: Array, up: Array = (0.0, 0.0, 1.0)) -> Array:
         x = np.cross(z, [0.0, 1.0, 0.0])
     x /= np.linalg.norm(x)
     return np.stack([x, np.cross(z, x), z])
+
+
+def matrix_from_turns(axes: str, angles: Array) -> Array:
+    """Return the product of three right-handed turns about axes, in the order written.
+
+    ``matrix_from_turns("xyz", (ω, φ, κ))`` is ``Rx(ω) Ry(φ) Rz(κ)``, the ``world_from_image`` of `matrix_from_opk`.
+
+    Parameters
+    ----------
+    axes : str
+        Three different letters of ``"xyz"``; from left to right each axis is carried along by the turns before it.
+    angles : float64 (3,)
+        Radians, in the order of `axes`.
+    """
+    turned = np.eye(3)
+    for axis, angle in zip(axes, angles, strict=True):
+        turned = turned @ matrix_from_vector(float(angle) * np.eye(3)["xyz".index(axis)])
+    return turned
+
+
+def turns_from_matrix(axes: str, rotation: Array) -> Array:
+    """Return the three angles (3,), radians, of a rotation (3, 3); the inverse of `matrix_from_turns`.
+
+    The middle angle is in [−π/2, π/2]. At its ends only sum or difference of the others is defined (gimbal lock):
+    the first is then 0. Source: Diebel 2006, Representing attitude, section 8, for the six sequences without repetition.
+    """
+    i, j, k = ("xyz".index(axis) for axis in axes)
+    sign = 1.0 if (i, j, k) in ((0, 1, 2), (1, 2, 0), (2, 0, 1)) else -1.0
+    m = np.asarray(rotation, dtype=np.float64)
+    cosine = float(np.hypot(m[i, i], m[i, j]))
+    middle = float(np.arctan2(sign * m[i, k], cosine))
+    if cosine < 1e-9:
+        return np.array([0.0, middle, np.arctan2(sign * m[j, i], m[j, j])])
+    return np.array([np.arctan2(-sign * m[j, k], m[k, k]), middle, np.arctan2(-sign * m[i, j], m[i, i])])
+
+
+def turn_axes(axes: str, angles: Array) -> Array:
+    """Return the axes (3, 3), one per row, about which a small change of each angle turns: unit vectors, outer frame.
+
+    ``∂R/∂αᵢ = [aᵢ]× R``. Their determinant is ±cos of the middle angle: at ±90° the first and the third coincide
+    (gimbal lock).
+    """
+    first, second = (float(angle) for angle in list(angles)[:2])
+    unit = np.eye(3)
+    i, j, k = ("xyz".index(axis) for axis in axes)
+    outer = matrix_from_vector(first * unit[i])
+    return np.stack([unit[i], outer @ unit[j], outer @ matrix_from_vector(second * unit[j]) @ unit[k]])
+
+
+def shortest_turn(a: Array, b: Array) -> Array:
+    """Return the rotation (3, 3) by the smallest angle that takes the direction `a` (3,) to `b` (3,).
+
+    For opposite directions, where every axis across is as good, one of them.
+    """
+    a, b = (np.asarray(v, dtype=np.float64) / np.linalg.norm(v) for v in (a, b))
+    axis, cosine = np.cross(a, b), float(a @ b)
+    sine = float(np.linalg.norm(axis))
+    if sine < 1e-12:
+        if cosine > 0:
+            return np.eye(3)
+        axis = np.cross(a, np.eye(3)[int(np.argmin(np.abs(a)))])
+        sine = float(np.linalg.norm(axis))
+    return matrix_from_vector(axis / sine * np.arctan2(float(np.linalg.norm(np.cross(a, b))), cosine))

@@ -7,14 +7,19 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from graphos_core.geometry.rotation import (
+    FLIP,
     angle_between,
     look_at,
     matrix_from_opk,
     matrix_from_quaternion,
+    matrix_from_turns,
     matrix_from_vector,
     opk_from_matrix,
     quaternion_from_matrix,
+    shortest_turn,
     skew,
+    turn_axes,
+    turns_from_matrix,
     vector_from_matrix,
 )
 
@@ -105,3 +110,54 @@ def test_look_at_puts_the_target_on_the_axis_and_up_up(target):
     assert np.allclose(seen[:2], 0.0, atol=1e-12) and seen[2] > 0
     assert np.linalg.det(rotation) == pytest.approx(1.0)
     assert (rotation @ [0.0, 0.0, 1.0])[1] <= 1e-12
+
+
+@pytest.mark.parametrize("axes", ["xyz", "xzy", "yxz", "yzx", "zxy", "zyx"])
+def test_turns_in_any_order_agree_with_scipy_and_come_back(axes: str) -> None:
+    for angles in np.random.default_rng(4).uniform([-3.1, -1.5, -3.1], [3.1, 1.5, 3.1], (20, 3)):
+        found = matrix_from_turns(axes, angles)
+        np.testing.assert_allclose(found, Rotation.from_euler(axes.upper(), angles).as_matrix(), atol=1e-12)
+        np.testing.assert_allclose(turns_from_matrix(axes, found), angles, atol=1e-9)
+
+
+def test_turns_about_x_y_z_are_omega_phi_kappa() -> None:
+    angles = (0.3, -0.4, 1.1)
+    np.testing.assert_allclose(
+        FLIP @ matrix_from_turns("xyz", np.array(angles)).T, matrix_from_opk(*angles), atol=1e-14
+    )
+
+
+@pytest.mark.parametrize("axes", ["xyz", "zyx", "yxz"])
+@pytest.mark.parametrize("middle", [np.pi / 2, -np.pi / 2])
+def test_turns_of_a_locked_gimbal_give_the_same_rotation(axes: str, middle: float) -> None:
+    locked = matrix_from_turns(axes, np.array([0.7, middle, -0.2]))
+    found = turns_from_matrix(axes, locked)
+    assert found[0] == 0.0
+    np.testing.assert_allclose(matrix_from_turns(axes, found), locked, atol=1e-9)
+
+
+@pytest.mark.parametrize("axes", ["xyz", "zyx", "yxz"])
+def test_turn_axes_are_the_derivative_and_lose_rank_at_a_right_angle(axes: str) -> None:
+    angles, h = np.array([0.4, -0.9, 2.0]), 1e-6
+    found = turn_axes(axes, angles)
+    for i in range(3):
+        step = np.zeros(3)
+        step[i] = h
+        change = matrix_from_turns(axes, angles + step) @ matrix_from_turns(axes, angles - step).T
+        np.testing.assert_allclose(found[i], vector_from_matrix(change) / (2 * h), atol=1e-8)
+    assert abs(np.linalg.det(found)) == pytest.approx(np.cos(angles[1]))
+    assert abs(np.linalg.det(turn_axes(axes, np.array([0.4, np.pi / 2, 2.0])))) < 1e-12
+
+
+def test_the_shortest_turn_takes_one_direction_to_the_other() -> None:
+    draw = np.random.default_rng(5)
+    pairs = [
+        *draw.normal(size=(10, 2, 3)),
+        np.array([[1.0, 2, 3], [-2.0, -4, -6]]),
+        np.array([[0, 0, 1.0], [0, 0, 5]]),
+    ]
+    for a, b in pairs:
+        a, b = a / np.linalg.norm(a), b / np.linalg.norm(b)
+        turn = shortest_turn(a, b)
+        np.testing.assert_allclose(turn @ a, b, atol=1e-12)
+        assert angle_between(np.eye(3), turn) == pytest.approx(np.arccos(np.clip(a @ b, -1, 1)), abs=1e-7)

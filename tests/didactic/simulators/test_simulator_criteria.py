@@ -15,6 +15,7 @@ import pytest
 
 from graphos_core.errors import UserError
 from graphos_core.params import Params
+from graphos_core.registry import STAGES
 from graphos_didactic.scene import Handle, Number, Scene
 from graphos_didactic.scene_colours import PALETTES, contrast
 from graphos_didactic.scene_drawing import Look
@@ -55,9 +56,14 @@ def same(a: Scene, b: Scene) -> bool:
     return content(a) == content(b)
 
 
-def test_the_three_simulators_are_found_in_the_order_of_the_workflow() -> None:
-    keys = [s.key for s in simulators()]
-    assert keys == ["preprocessing/wallis", "features/epipolar", "adjustment/intersection"]
+def test_simulators_are_found_in_the_order_of_the_workflow_and_of_their_places() -> None:
+    found = simulators()
+    order = [(STAGES.index(s.room), s.place, s.name) for s in found]
+    assert order == sorted(order)
+    keys = [s.key for s in found]
+    assert len(set(keys)) == len(keys)
+    assert {"preprocessing/wallis", "features/epipolar", "adjustment/intersection"} <= set(keys)
+    assert [s.key for s in simulators("adjustment")] == [k for k in keys if k.startswith("adjustment/")]
     with pytest.raises(UserError, match="adjustment/intersection"):
         find_simulator("adjustment/intersektion")
 
@@ -86,7 +92,7 @@ def test_handles_stay_within_the_declared_limits(simulator: Simulator) -> None:
 def test_a_handle_that_is_dragged_ends_under_the_pointer(simulator: Simulator) -> None:
     params = simulator.params()
     for handle in simulator.scene(params).handles:
-        if handle.freedom == "turn" or handle.name == "in_b":  # these slide along a circle or a line
+        if handle.freedom in ("turn", "slide"):  # these stay on a circle, a line or a surface
             continue
         goal = handle.at[0] + 3 * handle.nudge[0], handle.at[1] + 3 * handle.nudge[1]
         after = simulator.scene(drag(params, handle, *goal))
@@ -225,11 +231,13 @@ def test_8_undo_and_redo_restore_the_parameters(simulator: Simulator) -> None:
 def test_9_the_functions_are_the_engines_own(simulator: Simulator) -> None:
     stem = simulator.function.__module__
     package = importlib.import_module(stem.rpartition(".")[0])
+    shared = importlib.import_module("graphos_didactic.simulators")
     family = [
         importlib.import_module(found.name)
-        for found in pkgutil.iter_modules(package.__path__, package.__name__ + ".")
-        if found.name.startswith(stem)
-    ] + [importlib.import_module("graphos_didactic.simulators.pictured_plane")]
+        for place, start in ((package, stem), (shared, shared.__name__))
+        for found in pkgutil.iter_modules(place.__path__, place.__name__ + ".")
+        if found.name.startswith(start) and not found.ispkg
+    ]
     assert len(simulator.engine) >= 3
     for function in simulator.engine:
         where = function.__module__

@@ -18,7 +18,7 @@ from graphos_core.project import Project
 from graphos_core.run import Run
 from graphos_didactic.lab_session import LabSession
 from graphos_didactic.labs import read_lab
-from graphos_didactic.lessons import find_lesson, lessons
+from graphos_didactic.lessons import Lesson, Trial, find_lesson, lessons
 from graphos_py.app import make_application
 from graphos_py.jobs import Jobs
 from graphos_py.main_window import MainWindow
@@ -235,6 +235,21 @@ def test_a_trial_sets_the_parameters_and_chooses_the_algorithm(session: Session,
     with qtbot.waitSignal(page.stage_asked) as asked:
         page.go.click()
     assert asked.args == ["preprocessing"]
+
+
+def test_a_trial_of_a_lesson_without_an_algorithm_opens_its_simulator(session: Session, qtbot: QtBot) -> None:
+    lesson = Lesson(
+        "adjustment/x",
+        "x",
+        "text\n",
+        simulator="adjustment/intersection",
+        trials=(Trial("x", {"a_x": -4.0}),),
+    )
+    page = LessonPage(session, lesson)
+    qtbot.addWidget(page)
+    with qtbot.waitSignal(page.simulator_tried) as asked:
+        page.tries[0].click()
+    assert asked.args == ["adjustment/intersection", {"a_x": -4.0}]
 
 
 def test_try_this_of_the_explain_panel_chooses_the_algorithm(qtbot: QtBot, tmp_path: Path) -> None:

@@ -62,7 +62,7 @@ def _photo_handles(both: TwoCameras) -> list[AnyMark]:
     if len(seen) and np.isfinite(both.pixels[1]).all():
         at = (float(both.pixels[1, 0]), float(both.pixels[1, 1]))
         marks.append(Handle(panel="photo_b", name="in_b", thing="point", label="P in photo B", role="truth", at=at,
-                            parameters=names, move=in_b, nudge=(12.0, 12.0), answer=True))  # fmt: skip
+                            parameters=names, move=in_b, nudge=(12.0, 12.0), answer=True, freedom="slide"))  # fmt: skip
     if p.guessing:
         marks.append(Handle(panel="photo_b", name="guess", thing="guess", label="Your guess", role="accent",
                             at=(p.guess_x, p.guess_y), parameters=("guess_x", "guess_y"), nudge=step,
