@@ -1,4 +1,4 @@
-"""PhotoModeler exports as the Damped Bundle Adjustment Toolbox (DBAT) ships them, and the angles of its reports.
+"""PhotoModeler exports as the Damped Bundle Adjustment Toolbox (DBAT) ships them.
 
 A project is an export file (``…-pmexport.txt``: interior orientation in mm, exterior orientations, object points) and
 a table of measured points (``…-2dpts.txt``, px with x right and y down). Only cameras without distortion are read.
@@ -10,41 +10,17 @@ the pixel size have the same origin as the measured pixels. The corner of the to
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
-from graphos_core.data import Array, Block, Camera
+from graphos_core.data import Array, Block, Control
 from graphos_core.errors import UserError
+from graphos_core.exchange.dbat_case import PIXEL_ORIGIN, DbatCamera, DbatCase, Measured, assemble
+from graphos_core.exchange.dbat_tables import read_table
 from graphos_core.geometry.rotation import matrix_from_opk
-
-PIXEL_ORIGIN = 0.5
-"""Position of the centre of the top-left pixel in PhotoModeler's pixel coordinates."""
-
-
-@dataclass(frozen=True)
-class Station:
-    """An exterior orientation as a report prints it.
-
-    Attributes
-    ----------
-    photo : str
-    opk : float64 (3,)
-        Omega, phi, kappa, radians.
-    sigma_opk : float64 (3,)
-        Their standard deviations, radians.
-    centre, sigma_centre : float64 (3,)
-        Projection centre and its standard deviations, in the object unit.
-    """
-
-    photo: str
-    opk: Array
-    sigma_opk: Array
-    centre: Array
-    sigma_centre: Array
+from graphos_core.text import Text
 
 
 def read_photomodeler(export: str | Path, measured: str | Path) -> Block:
@@ -68,10 +44,8 @@ def read_photomodeler(export: str | Path, measured: str | Path) -> Block:
         When a file is not such an export, or its camera has distortion.
     """
     try:
-        lines = [
-            line.split() for line in Path(export).read_text(encoding="utf-8", errors="replace").splitlines()
-        ]
-        camera = _camera(lines)
+        lines = _lines(Path(export))
+        camera = _camera(lines).without_distortion()
         names, rotations, centres = _stations(lines)
         identifiers, points = _points(lines)
         photo, point, xy = _measured(Path(measured), identifiers)
@@ -91,42 +65,81 @@ def read_photomodeler(export: str | Path, measured: str | Path) -> Block:
     )  # fmt: skip
 
 
-def read_stations(report: str | Path) -> tuple[Station, ...]:
-    """Read the exterior orientations with their standard deviations from a DBAT report.
+def read_photomodeler_case(export: str | Path, control: str | Path) -> DbatCase:
+    """Read an export and a table of control points as an adjustment case, with PhotoModeler's values as start.
+
+    As DBAT does, the table is shifted into the export's frame by the mean difference of the control points;
+    `Control.origin` leads back.
+
+    Parameters
+    ----------
+    export : str or Path
+        ``…-pmexport.txt``; its list of measured points with their σ is read.
+    control : str or Path
+        ``identifier, name, X, Y, Z`` and, for weighted control, ``σX, σY, σZ``.
 
     Raises
     ------
     UserError
-        When the report prints none.
+        When a file is not such an export or table, or the camera has distortion.
     """
-    text = Path(report).read_text(encoding="utf-8", errors="replace")
-    found = []
-    for part in re.split(r"\n\s+Photo \d+: ", text)[1:]:
-        pairs = re.findall(r"(Omega|Phi|Kappa|Xc|Yc|Zc):\s+Value:\s+(\S+) \w+\s+Deviation: (\S+) \w+", part)[
-            :6
-        ]
-        if len(pairs) < 6:
-            continue
-        value = np.array([float(pair[1]) for pair in pairs])
-        sigma = np.array([float(pair[2]) for pair in pairs])
-        found.append(Station(
-            part.split("\n", 1)[0].strip(), np.radians(value[:3]), np.radians(sigma[:3]), value[3:], sigma[3:]
-        ))  # fmt: skip
-    if not found:
-        raise UserError(f"{Path(report).name} prints no exterior orientations.", todo="Give a DBAT report.")
-    return tuple(found)
+    export, control = Path(export), Path(control)
+    try:
+        lines = _lines(export)
+        camera = _camera(lines)
+        names, rotations, centres = _stations(lines)
+        identifiers, points = _points(lines)
+        table = read_table(control, _columns(control))
+        keys = table.numbers["id"].astype(int)
+        place = {int(key): i for i, key in enumerate(identifiers)}
+        there = np.array([int(key) in place for key in keys])
+        given = table.columns("x", "y", "z")
+        origin = np.mean(given[there] - points[[place[int(key)] for key in keys[there]]], axis=0)
+        sigma = table.columns("sx", "sy", "sz") if "sx" in table.numbers else np.zeros_like(given)
+        return assemble(
+            export.name.removesuffix("-pmexport.txt"), camera, names, _marks(lines),
+            Control(names=tuple(str(key) for key in keys), xyz=given - origin,
+                    check=np.zeros(len(keys), dtype=bool), origin=origin),
+            table.words["label"], sigma, start=(rotations, centres),
+        )  # fmt: skip
+    except (OSError, ValueError, IndexError, KeyError) as problem:
+        raise UserError(
+            Text("{name} and {other} cannot be read.", name=export.name, other=control.name),
+            Text("They are not an export of PhotoModeler with its control points: {why}.", why=problem),
+            "Give the files …-pmexport.txt and ctrlpts-….txt of one project.",
+        ) from problem
 
 
-def _camera(lines: list[list[str]]) -> Camera:
+def _columns(path: Path) -> str:
+    """Return the columns of a control point table: its header names more than the fixed one has."""
+    rows = [line for line in path.read_text(encoding="utf-8", errors="replace").splitlines()
+            if line.strip() and not line.lstrip().startswith("#")]  # fmt: skip
+    return "id,label,x,y,z,sx,sy,sz" if rows and rows[0].count(",") == 7 else "id,label,x,y,z"
+
+
+def _marks(lines: list[list[str]]) -> Measured:
+    """Read "photo identifier x y σx σy" lines; smart points are printed with σ 0, which counts as 1 px in DBAT."""
+    rows = [[float(word) for word in line] for line in lines[5:]
+            if len(line) == 6 and line[1].isdigit() and all("." in word for word in line[2:])]  # fmt: skip
+    marks = np.array(rows).reshape(-1, 6)
+    sigma = np.where(marks[:, 4] > 0, marks[:, 4], 1.0)
+    return Measured(
+        marks[:, 1].astype(np.int64), marks[:, 0].astype(np.int64), marks[:, 2:4] - PIXEL_ORIGIN, sigma
+    )
+
+
+def _lines(export: Path) -> list[list[str]]:
+    return [line.split() for line in export.read_text(encoding="utf-8", errors="replace").splitlines()]
+
+
+def _camera(lines: list[list[str]]) -> DbatCamera:
     width, height = (int(word) for word in lines[1][2:4])
-    c, x0, y0, format_width, format_height, *distortion = (float(word) for word in lines[3])
+    c, x0, y0, format_width, _, *distortion = (float(word) for word in lines[3])
     if any(distortion):
         raise ValueError("its camera has distortion, which this reader does not convert")
-    pitch = format_width / width
-    values = np.array([c / pitch, x0 / pitch - PIXEL_ORIGIN, y0 / (format_height / height) - PIXEL_ORIGIN])
-    return Camera(
-        model="pinhole", width=width, height=height, values=values, pixel_pitch_mm=pitch,
-        focal_source="PhotoModeler export",
+    return DbatCamera(
+        width=width, height=height, pitch_mm=format_width / width, constant_mm=c,
+        principal_mm=np.array([x0, y0]), k=np.zeros(3), p=np.zeros(2), model=1, name="PhotoModeler export",
     )  # fmt: skip
 
 

@@ -10,7 +10,8 @@ from graphos_core.adjustment.bundle.problem import Freedom, make_problem
 from graphos_core.adjustment.bundle.reduced_system import ReducedSystem
 from graphos_core.errors import UserError
 from graphos_core.exchange.bal import FREE, read_bal
-from graphos_core.exchange.dbat import read_photomodeler, read_stations
+from graphos_core.exchange.dbat import read_photomodeler
+from graphos_core.exchange.dbat_report import read_stations
 from graphos_core.geometry.rotation import matrix_from_vector, opk_from_matrix
 
 pytestmark = pytest.mark.data
