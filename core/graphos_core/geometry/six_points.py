@@ -148,7 +148,8 @@ def robust_trifocal(xy_a: Array, xy_b: Array, xy_c: Array, threshold_px: float, 
             best.tensor, nothing.inliers, Text("the points do not agree on one geometry of three photos")
         )
     for _ in range(3):  # with the better tensor more points agree, which makes it better again
-        refined = refine_trifocal(best.tensor, *(side[best.inliers] for side in (xy_a, xy_b, xy_c)))
+        good = best.inliers
+        refined = refine_trifocal(best.tensor, xy_a[good], xy_b[good], xy_c[good])
         agreeing = transfer_distances(refined, xy_a, xy_b, xy_c) <= threshold_px
         if agreeing.sum() < best.inliers.sum():
             break
