@@ -4,23 +4,25 @@ from __future__ import annotations
 
 from numba import njit
 
-from graphos_core.cameras.model import CameraModel, Parameter
-from graphos_core.cameras.pinhole import INTERIOR
+from graphos_core.cameras.model import CameraModel
+from graphos_core.cameras.sheet import INTERIOR, RADIAL_FIXED_AGAINST_F, radial_parameters
 from graphos_core.data.record import Array
 
 MODEL = CameraModel(
     name="basic",
     label="Basic (f, x0, y0, k1, k2)",
-    code=1,
     parameters=(
         *INTERIOR,
-        Parameter("k1", "k_1", "Radial distortion 1", "", "radial"),
-        Parameter("k2", "k_2", "Radial distortion 2", "", "radial"),
+        *radial_parameters(0.1, 0.05),
     ),
     direction="ideal → measured",
     source="Brown 1971, Close-range camera calibration, radial terms, in normalised units r = √(X²+Y²)/Z",
     formula=r"x = f\,\frac{X}{Z}\,(1 + k_1 r^2 + k_2 r^4) + x_0,\quad r^2 = \frac{X^2 + Y^2}{Z^2}",
+    dependences=(RADIAL_FIXED_AGAINST_F,),
+    inlined=1,
 )
+
+MODELS = (MODEL,)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")

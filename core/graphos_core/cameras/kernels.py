@@ -1,4 +1,7 @@
-"""Compiled projection for every camera model: one dispatch, used by adjustment, simulation and dense matching."""
+"""Compiled projection for every camera model: one dispatch, used by adjustment, simulation and dense matching.
+
+The distortion-free and the basic camera are inlined, every other model is called by the address of its entry.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +9,11 @@ import numpy as np
 from numba import njit
 
 from graphos_core.cameras import basic, pinhole
+from graphos_core.cameras.entry import call_entry
 from graphos_core.data.record import Array
 
-MAX_VALUES = 5
-"""Largest number of parameters of any model; size of scratch arrays in kernels."""
+MAX_VALUES = 72
+"""Bound of the number of parameters of any model: safe size of a scratch array in kernels."""
 
 _pinhole = pinhole.kernel
 _basic = basic.kernel
@@ -21,11 +25,14 @@ def project(
 ) -> bool:
     """Project one point of the camera frame with the model `code`; see `graphos_core.cameras.model`.
 
-    Inlined into its callers: a call that passes arrays costs ten times the projection itself.
+    Inlined into its callers. The arrays must be contiguous float64; ``d_values`` may have more columns than the model
+    has parameters, never fewer.
     """
     if code == 0:
         return _pinhole(values, x, y, z, pixel, d_point, d_values)
-    return _basic(values, x, y, z, pixel, d_point, d_values)
+    if code == 1:
+        return _basic(values, x, y, z, pixel, d_point, d_values)
+    return call_entry(code, values, x, y, z, pixel, d_point, d_values) != 0
 
 
 @njit(cache=True, nogil=True)
@@ -85,4 +92,63 @@ def unproject_many(code: int, values: Array, pixels: Array) -> Array:
         out[i, 0] = u if done else np.nan
         out[i, 1] = v if done else np.nan
         out[i, 2] = 1.0 if done else np.nan
+    return out
+
+
+@njit(cache=True, nogil=True)
+def unproject_wide(code: int, values: Array, pixels: Array, start: Array) -> Array:
+    """Invert `project_many` on the unit sphere, where a field of 180° and more has no singular direction.
+
+    Newton's method in the tangent plane of the current direction, with step halving; ``start`` (n, 3) unit directions.
+    The tangent basis is that of Duff et al. 2017, Building an orthonormal basis, revisited (right-handed with the
+    direction), so the determinant changes its sign where the distortion folds the picture.
+    """
+    n = pixels.shape[0]
+    out = np.full((n, 3), np.nan)
+    pixel = np.empty(2)
+    d_point = np.empty((2, 3))
+    d_values = np.empty((2, values.shape[0]))
+    d = np.empty(3)
+    new = np.empty(3)
+    for i in range(n):
+        d[:] = start[i]
+        new[:] = start[i]
+        su = 0.0
+        sv = 0.0
+        last = np.inf
+        for _ in range(60):
+            seen = project(code, values, new[0], new[1], new[2], pixel, d_point, d_values)
+            ex = pixels[i, 0] - pixel[0]
+            ey = pixels[i, 1] - pixel[1]
+            error = ex * ex + ey * ey if seen else np.inf
+            if error < 1e-20:
+                out[i] = new
+                break
+            side = 1.0 if new[2] >= 0.0 else -1.0
+            a = -1.0 / (side + new[2])
+            b = new[0] * new[1] * a
+            e = (1.0 + side * new[0] * new[0] * a, side * b, -side * new[0])
+            g = (b, side + new[1] * new[1] * a, -new[1])
+            ue = d_point[0, 0] * e[0] + d_point[0, 1] * e[1] + d_point[0, 2] * e[2]
+            ug = d_point[0, 0] * g[0] + d_point[0, 1] * g[1] + d_point[0, 2] * g[2]
+            ve = d_point[1, 0] * e[0] + d_point[1, 1] * e[1] + d_point[1, 2] * e[2]
+            vg = d_point[1, 0] * g[0] + d_point[1, 1] * g[1] + d_point[1, 2] * g[2]
+            det = ue * vg - ug * ve
+            if error >= last or not det > 0.0:  # overshot, or past the fold: halve the last step
+                if last == np.inf or su * su + sv * sv < 1e-26:
+                    if error < 1e-16:
+                        out[i] = new
+                    break
+                su *= 0.5
+                sv *= 0.5
+            else:
+                last = error
+                d[:] = new
+                p = e
+                q = g
+                su = (vg * ex - ug * ey) / det
+                sv = (ue * ey - ve * ex) / det
+            for k in range(3):
+                new[k] = d[k] + su * p[k] + sv * q[k]
+            new /= np.sqrt(new[0] ** 2 + new[1] ** 2 + new[2] ** 2)
     return out

@@ -1,19 +1,24 @@
 """What every camera model declares, and the list of models.
 
-A model is one file that holds a numba kernel and a `CameraModel`. The kernel has the signature::
+A model is one file with a `CameraModel`: a parameter sheet and its equations in plain Python. From the equations
+`graphos_core.cameras.generator` writes the compiled kernel with analytic derivatives; the two simplest models have a
+kernel written by hand, which is inlined into the loops of the adjustment. Every kernel has the signature::
 
     kernel(values, x, y, z, pixel, d_point, d_values) -> bool
 
 with ``values`` float64 (k,), the point (x, y, z) in the camera frame, and three outputs: ``pixel`` (2,),
-``d_point`` (2, 3) = ∂pixel/∂(x, y, z), ``d_values`` (2, k) = ∂pixel/∂values. It returns False for a point that has
+``d_point`` (2, 3) = ∂pixel/∂(x, y, z), ``d_values`` (2, ≥ k) = ∂pixel/∂values. It returns False for a point that has
 no image (behind the camera); the outputs are then undefined. `graphos_core.cameras.kernels.project` dispatches on
 `CameraModel.code` inside compiled code.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from importlib import import_module
+from typing import Any
 
 import numpy as np
 
@@ -21,6 +26,12 @@ from graphos_core.data.cameras import Camera
 from graphos_core.data.record import Array
 from graphos_core.errors import UserError
 from graphos_core.params import unknown_name
+
+MODULES = ("pinhole", "basic", "fisheye_equidistant", "fisheye_equisolid")
+"""Files of the models, in the order in which people are shown them."""
+
+Equations = Callable[[Any, Any, Any], tuple[Any, Any]]
+"""``(values by name, a, b) -> (c, d)`` in +, −, ·, / and powers, so that it takes numbers, arrays and symbols."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +43,16 @@ class Parameter:
     name, symbol, label, unit : str
         ``"focal_px"``, ``"f"``, ``"Principal distance"``, ``"px"``.
     group : str
-        ``"interior"``, ``"radial"``, ``"decentring"`` …
+        ``"interior"``, ``"radial"``, ``"decentring"``, ``"affinity"`` …
+    usual : float
+        Size that is common in practice: range of a slider, step of a test.
+    default : {"free", "fixed", "prior", "constant"}
+        What a self-calibration does with it unless the person says otherwise. A constant is part of the formula (a
+        length by which coordinates are divided) and is never estimated.
+    prior_sigma : float or None
+        Standard deviation, in `unit`, of the prior that holds it when it is free with a prior.
+    reason : str
+        Why it is not simply free.
     """
 
     name: str
@@ -40,6 +60,10 @@ class Parameter:
     label: str
     unit: str
     group: str
+    usual: float = 0.0
+    default: str = "free"
+    prior_sigma: float | None = None
+    reason: str = ""
 
 
 @dataclass(frozen=True)
@@ -49,25 +73,52 @@ class CameraModel:
     Attributes
     ----------
     name, label : str
-    code : int
-        Number by which compiled code finds the kernel.
     parameters : tuple of Parameter
-        In the order of `Camera.values`; the first is always the principal distance ``focal_px``.
+        In the order of `Camera.values`; the first three are always ``focal_px``, ``x0``, ``y0``.
     direction : str
         ``"ideal → measured"``: the formula gives the measured position from the ideal one.
     source : str
         Author, year, section.
     formula : str
         In mathtext.
+    projection : {"central", "equidistant", "equisolid", "spherical"}
+        How an undistorted ray becomes a position (u, v), see `graphos_core.cameras.projections`.
+    equations : callable or None
+        Forward models: ``(p, u, v)`` → pixel (x, y), from the ideal position. Backward models: ``(p, x, y)`` → ideal
+        position (u, v), from the pixel. None where the kernel is written by hand.
+    backward : bool
+        Whether the equations go from the measured to the ideal position.
+    dependences : tuple of str
+        Sentences: which terms are left out or held against f, x0, y0 and the rotation, and why.
+    inlined : int or None
+        Number of the kernel that is inlined into its callers; None for a generated kernel.
     """
 
     name: str
     label: str
-    code: int
     parameters: tuple[Parameter, ...]
     direction: str
     source: str
     formula: str
+    projection: str = "central"
+    equations: Equations | None = None
+    backward: bool = False
+    dependences: tuple[str, ...] = ()
+    inlined: int | None = None
+
+    @property
+    def code(self) -> int:
+        """Number by which compiled code finds the kernel, for int64 only.
+
+        A small number for an inlined kernel, else the address of the compiled entry in this process: never store it.
+        The kernel is compiled when its code is first asked for.
+        """
+        return _entry_address(self.name) if self.inlined is None else self.inlined
+
+    @property
+    def wide(self) -> bool:
+        """Whether rays are unit directions whose z may be 0 or negative, because the field exceeds 180°."""
+        return self.projection != "central"
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -80,11 +131,19 @@ class CameraModel:
 
 
 @cache
+def _entry_address(name: str) -> int:
+    module = import_module(f"graphos_core.cameras.generated.{name}_kernels")
+    return int(module.entry.address)
+
+
+@cache
 def camera_models() -> dict[str, CameraModel]:
     """Return every camera model by name."""
-    from graphos_core.cameras import basic, pinhole
-
-    return {model.name: model for model in (pinhole.MODEL, basic.MODEL)}
+    models: dict[str, CameraModel] = {}
+    for name in MODULES:
+        for model in import_module(f"graphos_core.cameras.{name}").MODELS:
+            models[model.name] = model
+    return models
 
 
 def camera_model(name: str) -> CameraModel:
@@ -118,9 +177,7 @@ def pixel_from_ray(camera: Camera, points: Array) -> Array:
     from graphos_core.cameras.kernels import project_many
 
     points = np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 3)
-    return project_many(
-        camera_model(camera.model).code, np.ascontiguousarray(camera.values, dtype=np.float64), points
-    )
+    return project_many(camera_model(camera.model).code, _values(camera), points)
 
 
 def ray_from_pixel(camera: Camera, pixels: Array) -> Array:
@@ -134,12 +191,20 @@ def ray_from_pixel(camera: Camera, pixels: Array) -> Array:
     Returns
     -------
     float64 (n, 3)
-        Directions (x/z, y/z, 1) in the camera frame; NaN where the inversion does not converge, which happens
-        outside the part of the format that the distortion maps one to one.
+        Directions in the camera frame: (x/z, y/z, 1) for central perspective, unit vectors for `CameraModel.wide`
+        models. NaN where the inversion does not converge, which happens outside the part of the format that the
+        distortion maps one to one.
     """
-    from graphos_core.cameras.kernels import unproject_many
+    from graphos_core.cameras.kernels import unproject_many, unproject_wide
+    from graphos_core.cameras.projections import ideal_direction
 
     pixels = np.ascontiguousarray(pixels, dtype=np.float64).reshape(-1, 2)
-    return unproject_many(
-        camera_model(camera.model).code, np.ascontiguousarray(camera.values, dtype=np.float64), pixels
-    )
+    model, values = camera_model(camera.model), _values(camera)
+    if not model.wide:
+        return unproject_many(model.code, values, pixels)
+    start = ideal_direction(model.projection, (pixels - values[1:3]) / values[0])
+    return unproject_wide(model.code, values, pixels, start)
+
+
+def _values(camera: Camera) -> Array:
+    return np.ascontiguousarray(camera.values, dtype=np.float64)

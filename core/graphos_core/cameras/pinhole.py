@@ -4,24 +4,21 @@ from __future__ import annotations
 
 from numba import njit
 
-from graphos_core.cameras.model import CameraModel, Parameter
+from graphos_core.cameras.model import CameraModel
+from graphos_core.cameras.sheet import INTERIOR
 from graphos_core.data.record import Array
-
-INTERIOR = (
-    Parameter("focal_px", "f", "Principal distance", "px", "interior"),
-    Parameter("x0", "x_0", "Principal point x", "px", "interior"),
-    Parameter("y0", "y_0", "Principal point y", "px", "interior"),
-)
 
 MODEL = CameraModel(
     name="pinhole",
     label="Distortion-free",
-    code=0,
     parameters=INTERIOR,
     direction="ideal → measured (nothing is distorted)",
     source="Luhmann et al. 2020, Close-Range Photogrammetry and 3D Imaging, section 3.3.2",
     formula=r"x = f\,\frac{X}{Z} + x_0,\quad y = f\,\frac{Y}{Z} + y_0",
+    inlined=0,
 )
+
+MODELS = (MODEL,)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")

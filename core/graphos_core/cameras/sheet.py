@@ -1,0 +1,68 @@
+"""Parameters and pieces of equations that several camera models share, so that no formula is written twice."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from graphos_core.cameras.model import Parameter
+
+INTERIOR = (
+    Parameter("focal_px", "f", "Principal distance", "px", "interior", 1000.0),
+    Parameter("x0", "x_0", "Principal point x", "px", "interior", 10.0),
+    Parameter("y0", "y_0", "Principal point y", "px", "interior", 10.0),
+)
+
+WEAK = "Small for a well centred lens; free it when residuals show it and the photos are rolled by 90°."
+
+DECENTRING = (
+    Parameter("p1", "p_1", "Decentring distortion 1", "", "decentring", 5e-4, reason=WEAK),
+    Parameter("p2", "p_2", "Decentring distortion 2", "", "decentring", 5e-4, reason=WEAK),
+)
+
+SQUARE = "Pixels of a digital sensor are square to about 1e-5; free it for scanned film or resampled photos."
+
+AFFINITY = (
+    Parameter("b1", "b_1", "Affinity", "", "affinity", 1e-3, "fixed", 1e-4, SQUARE),
+    Parameter("b2", "b_2", "Shear", "", "affinity", 1e-3, "fixed", 1e-4, SQUARE),
+)
+
+RADIAL_FIXED_AGAINST_F = "The radial polynomial has no linear term: that is the principal distance f, the scale at the principal point."
+AFFINITY_FIXED_AGAINST_F_AND_ROTATION = "Affinity and shear act on x alone: the same scale in x and y is f, a turn of both axes is the rotation kappa."
+DECENTRING_AND_PRINCIPAL_POINT = (
+    "Decentring p1, p2 goes with the principal point x0, y0 and a tilt of the photo: without rolled and convergent "
+    "photos they cannot be told apart."
+)
+
+
+def radial_parameters(*usual: float) -> tuple[Parameter, ...]:
+    """Return the sheet of k1, k2 … with their usual sizes."""
+    return tuple(
+        Parameter(f"k{i}", f"k_{i}", f"Radial distortion {i}", "", "radial", size)
+        for i, size in enumerate(usual, 1)
+    )
+
+
+def fixed(*parameters: Parameter) -> tuple[Parameter, ...]:
+    """Return the same parameters, held fixed by default."""
+    return tuple(replace(parameter, default="fixed") for parameter in parameters)
+
+
+def radial(u: Any, v: Any, *k: Any) -> tuple[Any, Any]:
+    """Return the radial displacement (u, v)·(k1 r² + k2 r⁴ + …) of Brown 1971."""
+    r2 = u * u + v * v
+    factor = 0
+    for coefficient in reversed(k):
+        factor = r2 * (coefficient + factor)
+    return u * factor, v * factor
+
+
+def decentring(u: Any, v: Any, p1: Any, p2: Any) -> tuple[Any, Any]:
+    """Return the decentring displacement of Brown 1966: p1 (r² + 2u²) + 2 p2 uv, p2 (r² + 2v²) + 2 p1 uv."""
+    r2 = u * u + v * v
+    return p1 * (r2 + 2 * u * u) + 2 * p2 * u * v, p2 * (r2 + 2 * v * v) + 2 * p1 * u * v
+
+
+def on_sensor(p: Any, u: Any, v: Any, b1: Any = 0, b2: Any = 0) -> tuple[Any, Any]:
+    """Return the pixel of a distorted position: scale f, affinity b1 and shear b2 of x, principal point."""
+    return p.focal_px * (u + b1 * u + b2 * v) + p.x0, p.focal_px * v + p.y0
