@@ -1,0 +1,141 @@
+"""Where a point is to be found in another photo, and how well its measurements fit, in an oriented block."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from graphos_core.cameras import pixel_from_ray, ray_from_pixel
+from graphos_core.data import Array, Block
+from graphos_core.geometry.epipolar import epipolar_curve
+from graphos_core.geometry.triangulation import triangulate
+
+SMALLEST_ANGLE = np.radians(1.0)
+"""Rays that meet under less than this do not make a point."""
+
+CURVE_POINTS = 60
+MARGIN = 2.0
+"""An epipolar line is drawn from a half to twice the depths at which the photo sees points."""
+
+
+@dataclass(frozen=True)
+class Intersection:
+    """A point measured in the photos of a block.
+
+    Attributes
+    ----------
+    xyz : float64 (3,) or None
+        Object frame of the block, in its unit; None before two rays of oriented photos meet.
+    residuals : dict of int to float64 (2,)
+        Projected − measured by photo, px; empty before.
+    sigma : float64 (3,) or None
+        Standard deviations for image coordinates of 1 px standard deviation and error-free orientations, in the
+        block's unit.
+    angle : float
+        Largest intersection angle, radians.
+    """
+
+    xyz: Array | None
+    residuals: Mapping[int, Array]
+    sigma: Array | None
+    angle: float
+
+    @property
+    def rms_px(self) -> float:
+        """Root mean square of the residuals per coordinate, px; NaN without."""
+        return (
+            float(np.sqrt(np.mean(np.square(list(self.residuals.values())))))
+            if self.residuals
+            else float("nan")
+        )
+
+
+def intersect(block: Block, measured: Mapping[int, Array]) -> Intersection:
+    """Intersect all rays of one point by least squares in the images; every measurement takes part.
+
+    Parameters
+    ----------
+    block : Block
+    measured : mapping of int to float64 (2,)
+        Measured place by photo, px.
+    """
+    photos = [p for p in sorted(measured) if block.oriented[p]]
+    rays = [
+        ray_from_pixel(block.cameras[block.camera_of_photo[p]], np.asarray(measured[p])[None])[0]
+        for p in photos
+    ]
+    good = [i for i, ray in enumerate(rays) if np.isfinite(ray).all()]
+    photos, rays = [photos[i] for i in good], [rays[i] for i in good]
+    if len(photos) < 2:
+        return Intersection(None, {}, None, 0.0)
+    focal = np.array([block.cameras[c].focal_px for c in block.camera_of_photo])
+    found = triangulate(
+        np.array([0, len(photos)]), np.array(photos), np.array(rays)[:, :2], focal,
+        block.rotations, block.centres, min_angle=SMALLEST_ANGLE,
+    )  # fmt: skip
+    if not found.ok[0]:
+        return Intersection(None, {}, None, float(found.angles[0]))
+    xyz = found.points[0]
+    residuals = {p: project(block, p, xyz) - np.asarray(measured[p]) for p in photos}
+    return Intersection(xyz, residuals, _sigma(block, photos, xyz), float(found.angles[0]))
+
+
+def project(block: Block, photo: int, xyz: Array) -> Array:
+    """Return the place (2,) of an object point in a photo, px; NaN where it has no image."""
+    in_camera = block.rotations[photo] @ (np.asarray(xyz) - block.centres[photo])
+    return pixel_from_ray(block.cameras[block.camera_of_photo[photo]], in_camera[None])[0]
+
+
+def inside(block: Block, photo: int, xy: Array) -> bool:
+    """Say whether a place lies in the format of a photo."""
+    camera = block.cameras[block.camera_of_photo[photo]]
+    return bool(-0.5 <= xy[0] <= camera.width - 0.5 and -0.5 <= xy[1] <= camera.height - 0.5)
+
+
+def epipolar(block: Block, source: int, xy: Array, target: int) -> Array:
+    """Return the epipolar line of a place in photo `source` as it is seen in photo `target`.
+
+    Returns
+    -------
+    float64 (n, 2)
+        Pixels along the line within the format, for depths round those of the points the source photo sees; empty
+        where a photo is not oriented.
+    """
+    if not (block.oriented[source] and block.oriented[target]):
+        return np.zeros((0, 2))
+    cameras = [block.cameras[block.camera_of_photo[p]] for p in (source, target)]
+    low, high = depth_range(block, source)
+    depths = np.geomspace(low / MARGIN, high * MARGIN, CURVE_POINTS)
+    curve = epipolar_curve(
+        np.asarray(xy), cameras[0], block.rotations[source], block.centres[source],
+        cameras[1], block.rotations[target], block.centres[target], depths,
+    )  # fmt: skip
+    return curve[[bool(np.isfinite(place).all()) and inside(block, target, place) for place in curve]]
+
+
+def depth_range(block: Block, photo: int) -> tuple[float, float]:
+    """Return the depths (2nd and 98th percentile) of the points a photo sees, in the block's unit."""
+    mine = np.asarray(block.obs_point)[np.asarray(block.obs_photo) == photo]
+    depths = (np.asarray(block.points)[mine] - block.centres[photo]) @ np.asarray(block.rotations[photo])[2]
+    depths = depths[depths > 0]
+    if not len(depths):
+        spread = float(np.ptp(np.asarray(block.centres)[np.asarray(block.oriented)], axis=0).max()) or 1.0
+        return 0.5 * spread, 10.0 * spread
+    low, high = np.percentile(depths, [2, 98])
+    return float(low), float(high)
+
+
+def _sigma(block: Block, photos: list[int], xyz: Array, step: float = 1e-6) -> Array:
+    """Return the standard deviations of an intersected point for 1 px, by the normal matrix of its projections."""
+    scale = step * max(float(np.linalg.norm(xyz - block.centres[photos[0]])), 1e-12)
+    normal = np.zeros((3, 3))
+    for photo in photos:
+        columns = [
+            (project(block, photo, xyz + scale * e) - project(block, photo, xyz - scale * e)) / (2 * scale)
+            for e in np.eye(3)
+        ]
+        jacobian = np.column_stack(columns)
+        normal += jacobian.T @ jacobian
+    return np.sqrt(np.diag(np.linalg.inv(normal)))
