@@ -94,7 +94,7 @@ def snap(image: Array, xy: Array, target: Target, radius: float = 12.0) -> Snap:
     found = (_circle if target == "circle" else _crossing)(
         grey, np.array([x - left, y - top]), target, radius
     )
-    return Snap(found.xy + [left, top], found.sigma_px)
+    return Snap(found.xy + np.array([left, top]), found.sigma_px)
 
 
 def nothing(target: Target) -> UserError:
@@ -137,7 +137,7 @@ def _edges(values: Array, positions: Array) -> tuple[Array, Array]:
     """Return the distances of positions from two lines through the point, in units of the blur."""
     dx, dy = (positions - values[:2]).T
     blur = _blur(values[4])
-    return tuple((np.sin(angle) * dx - np.cos(angle) * dy) / blur for angle in values[2:4])  # type: ignore[return-value]
+    return tuple((np.sin(angle) * dx - np.cos(angle) * dy) / blur for angle in values[2:4])
 
 
 def _blur(value: float) -> float:
