@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
-from graphos_core.adjustment.bundle import datum, kernels, result_kernels
-from graphos_core.adjustment.bundle.covariance import Cofactors, cofactors
+from graphos_core.adjustment.bundle import result_kernels
+from graphos_core.adjustment.bundle.covariance import cofactors
+from graphos_core.adjustment.bundle.datum import DatumKind
 from graphos_core.adjustment.bundle.kernels import Rules
+from graphos_core.adjustment.bundle.known.group import Group
 from graphos_core.adjustment.bundle.levenberg_marquardt import Solution, minimise
+from graphos_core.adjustment.bundle.outcome import outcome
 from graphos_core.adjustment.bundle.problem import Freedom, Problem, make_problem, select, usable
 from graphos_core.adjustment.bundle.reduced_system import ReducedSystem
-from graphos_core.data import Adjustment, Array, Block, Camera
+from graphos_core.adjustment.bundle.robust import ROBUST, Robust
+from graphos_core.adjustment.statistics.reliability import non_centrality
+from graphos_core.data import Adjustment, Array, Block
 from graphos_core.run import Run
-from graphos_core.text import Text
 
-Robust = Literal["none", "huber", "cauchy"]
-CODES: dict[str, int] = {"none": kernels.NONE, "huber": kernels.HUBER, "cauchy": kernels.CAUCHY}
+Method = Literal["levenberg-marquardt"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,15 +31,22 @@ class Options:
 
     Attributes
     ----------
-    robust : {"none", "huber", "cauchy"}
-        Robust function of the length of a residual vector.
+    robust : str
+        Name of the robust function of the length of a residual vector, see `graphos_core.adjustment.bundle.robust`.
     scale_px : float
-        Length from which it takes effect, px.
+        Length from which it takes effect: px for observations with an a priori standard deviation of 1 px, in general
+        multiples of the a priori standard deviation.
     max_iterations : int
     tolerance : float
         Converged when the cost can fall by less than this share of itself.
     statistics : bool
         False leaves out all standard deviations (they are NaN then, `Camera.sigmas` None): for repeated calls.
+    reliability : bool
+        Whether redundancy numbers, tests and minimal detectable biases of every observation are computed too.
+    alpha, power : float
+        Error probability of the tests, and power at which a minimal detectable bias is found.
+    datum : {"inner", "minimal"}
+        How free motions of the whole block are fixed for the standard deviations.
     guard : bool
         True drops observations that lie behind their camera in the end; False projects them through the projection
         centre, for comparison with programs that do so.
@@ -46,25 +57,37 @@ class Options:
     max_iterations: int = 50
     tolerance: float = 1e-8
     statistics: bool = True
+    reliability: bool = False
+    alpha: float = 0.001
+    power: float = 0.8
+    datum: DatumKind = "inner"
     guard: bool = True
 
 
 def adjust_block(
-    block: Block, freedom: Freedom | None = None, options: Options | None = None, *, run: Run | None = None
+    block: Block,
+    freedom: Freedom | None = None,
+    options: Options | None = None,
+    groups: Sequence[Group] = (),
+    *,
+    run: Run | None = None,
 ) -> Adjustment:
     """Adjust exterior orientations, object points and free camera parameters by least squares.
 
     Observations of photos that are not oriented, second observations of a point in one photo, and points with a
-    single ray (unless held fixed) are left out; the adjusted block is without them and without the points that lose
-    all observations (`Block.point_track` tells which remain). With all points held fixed this refines poses only.
+    single ray (unless held fixed or concerned by other observations) are left out; the adjusted block is without them
+    and without the points that lose all observations (`Block.point_track` tells which remain). With all points held
+    fixed this refines poses only.
 
     Parameters
     ----------
     block : Block
-        With approximate values.
+        With approximate values; `Block.obs_sigma_px` weights its observations.
     freedom : Freedom, optional
         What is free; without it all exterior orientations and points are, and all cameras are fixed.
     options : Options, optional
+    groups : sequence of Group
+        Observations beside image points, see `graphos_core.adjustment.bundle.known`.
     run : Run, optional
         Is shown an `IterationRecord` per iteration under ``"iteration"`` and asked whether to stop.
 
@@ -80,8 +103,8 @@ def adjust_block(
         When the person asked to stop.
     """
     freedom, options, run = freedom or Freedom(), options or Options(), run or Run()
-    problem = make_problem(block, freedom)
-    rules = Rules(CODES[options.robust], float(options.scale_px), options.guard)
+    problem = make_problem(block, freedom, groups)
+    rules = Rules(ROBUST[options.robust].code, float(options.scale_px), options.guard)
     system = ReducedSystem(problem, rules, run.threads)
     with system.working():
         solution = minimise(system, options.max_iterations, options.tolerance, run=run)
@@ -92,9 +115,10 @@ def adjust_block(
         misfit = residuals_of(problem, solution, rules)
     found = None
     if options.statistics:
+        delta0 = non_centrality(options.alpha, options.power) if options.reliability else -1.0
         with system.working():
-            found = cofactors(system, solution.scene)
-    return _result(problem, solution, misfit, found, run)
+            found = cofactors(system, solution.scene, options.datum, delta0)
+    return outcome(problem, solution, misfit, found, (options.alpha, options.power), run)
 
 
 def residuals_of(problem: Problem, solution: Solution, rules: Rules) -> tuple[Array, Array]:
@@ -113,80 +137,29 @@ def _without_hidden(
 ) -> tuple[Problem, Solution]:
     """Drop the observations that ended behind their cameras; they had no weight, so the solution stays."""
     block, fixed = problem.to_block(solution.scene), problem.fixed_points
+    kept = np.zeros(len(block.points), dtype=bool)
+    kept[problem.order] = problem.layout.point_column >= 0
     keep: Array = np.asarray(np.isfinite(residuals).all(axis=1))
+    sigma = None if block.obs_sigma_px is None else block.obs_sigma_px[keep]
     keep[keep] = usable(replace(block, obs_photo=block.obs_photo[keep], obs_point=block.obs_point[keep],
-                                obs_xy=block.obs_xy[keep]), fixed)  # fmt: skip
+                                obs_xy=block.obs_xy[keep], obs_sigma_px=sigma), fixed | kept)  # fmt: skip
     smaller, points = select(block, keep)
-    left = make_problem(smaller, replace(freedom, fixed_points=fixed[points]))
-    return left, replace(solution, scene=left.scene)
+    place = np.full(len(block.points), -1)
+    place[points] = np.arange(len(points))
+    groups = [moved for g in problem.groups if (moved := _renumber(g, problem, place, len(block.names)))]
+    left = make_problem(smaller, replace(freedom, fixed_points=fixed[points]), groups)
+    scene = left.scene._replace(extra=solution.scene.extra) if len(left.scene.extra) else left.scene
+    return left, replace(solution, scene=scene)
 
 
-def _result(
-    problem: Problem, solution: Solution, misfit: tuple[Array, Array], found: Cofactors | None, run: Run
-) -> Adjustment:
-    residuals, weights = misfit
-    defect = datum.free_motions(problem, solution.scene).shape[1]
-    observations = 2 * len(residuals)
-    unknowns = problem.unknowns + 3 * problem.free_points
-    redundancy = observations - unknowns + defect
-    squares = float((weights * (residuals**2).sum(axis=1)).sum())
-    if redundancy > 0:
-        sigma0 = float(np.sqrt(squares / redundancy))
-    else:
-        sigma0 = 1.0
-        run.warn(Text(
-            "The block has no redundancy ({observations} observations, {unknowns} unknowns): sigma0 cannot be "
-            "computed and is taken as 1 px.", observations=observations, unknowns=unknowns,
-        ))  # fmt: skip
-    block = problem.to_block(solution.scene)
-    sigma_rotations, sigma_centres, sigma_points, interior = _sigmas(problem, found, sigma0)
-    if found is not None and found.singular:
-        run.warn(Text("The normal equations are singular beyond the datum: some unknowns cannot be determined, "
-                      "and their standard deviations cannot be trusted."))  # fmt: skip
-    cameras = tuple(
-        _calibrated(camera, None if interior is None else interior[c], problem, c)
-        for c, camera in enumerate(block.cameras)
-    )
-    return Adjustment(
-        block=replace(block, cameras=cameras), sigma0_px=sigma0, redundancy=redundancy, observations=observations,
-        unknowns=unknowns, datum=datum.describe(problem, defect), rms_px=float(np.sqrt((residuals**2).mean())),
-        residuals=residuals, weights=weights, sigma_rotations=sigma_rotations, sigma_centres=sigma_centres,
-        sigma_points=sigma_points, iterations=solution.iterations, converged=solution.converged,
-        stop_reason=solution.reason,
-    )  # fmt: skip
-
-
-def _calibrated(camera: Camera, sigmas: Array | None, problem: Problem, index: int) -> Camera:
-    layout = problem.layout
-    known = replace(camera, sigmas=None if sigmas is None else sigmas[: len(camera.values)])
-    if 0 not in layout.free_index[index, : layout.free_count[index]]:
-        return known
-    return replace(known, focal_estimated=False, focal_source="bundle adjustment")
-
-
-def _sigmas(
-    problem: Problem, found: Cofactors | None, sigma0: float
-) -> tuple[Array, Array, Array, Array | None]:
-    """Return standard deviations of rotations (n, 3), centres (n, 3), points (p, 3) and cameras (c, k)."""
-    layout, n = problem.layout, len(problem.layout.pose)
-    if found is None:
-        return (
-            np.full((n, 3), np.nan),
-            np.full((n, 3), np.nan),
-            np.full((len(problem.order), 3), np.nan),
-            None,
-        )
-    sigma = sigma0 * np.sqrt(np.maximum(found.reduced.diagonal(), 0.0))
-    rotations, centres, interior = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(layout.free_index.shape)
-    for i in np.flatnonzero(layout.width > 0):
-        column, pose = layout.photo_column[i], layout.pose[i]
-        if pose:
-            rotations[i], centres[i] = sigma[column : column + 3], sigma[column + 3 : column + 6]
-        c, own = layout.camera[i], layout.width[i] - pose
-        interior[c, layout.free_index[c, :own]] = sigma[column + pose : column + pose + own]
-    for c in np.flatnonzero(layout.camera_column >= 0):
-        column, free = layout.camera_column[c], layout.free_count[c]
-        interior[c, layout.free_index[c, :free]] = sigma[column : column + free]
-    points = np.empty((len(problem.order), 3))
-    points[problem.order] = sigma0 * np.sqrt(np.maximum(np.einsum("pii->pi", found.points), 0.0))
-    return rotations, centres, points, interior
+def _renumber(group: Group, problem: Problem, place: Array, photos: int) -> Group | None:
+    """Return a group whose points are those of the smaller block."""
+    at = problem.columns[problem.groups.index(group)]
+    now = np.full(len(at.point), -1)
+    there = at.point >= 0
+    now[there] = place[problem.order[at.point[there]]]
+    rest = group.restrict(now >= 0, np.ones(photos, dtype=bool))
+    if rest is None or not len(rest.points):
+        return rest
+    fields = {name: now[getattr(rest, name)] for name in ("point", "a", "b") if hasattr(rest, name)}
+    return replace(rest, **fields)  # type: ignore[type-var]

@@ -1,6 +1,6 @@
 """Cofactors of the unknowns from the reduced normal equations; never the full inverse.
 
-With N the reduced matrix, G its null space and the inner constraints ``Cᵀx = 0`` with ``C = E G``, the cofactor
+With N the reduced matrix, G its null space and the conditions ``Cᵀx = 0`` that fix the datum, the cofactor
 matrix is ``Q = (N + C Cᵀ)⁻¹ − G (CᵀG)⁻¹ (GᵀC)⁻¹ Gᵀ`` (Koch 1999, section 3.5; Förstner and Wrobel 2016, section 4.5).
 Because the constraints concern reduced unknowns only, points follow from Q point by point.
 """
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import lapack
 
-from graphos_core.adjustment.bundle import datum, result_kernels
+from graphos_core.adjustment.bundle import datum, statistics_kernels
 from graphos_core.adjustment.bundle.kernels import Scene
 from graphos_core.adjustment.bundle.reduced_system import ReducedSystem
 from graphos_core.data import Array
@@ -37,6 +37,10 @@ class Cofactors:
         How the datum was defined.
     singular : bool
         Whether more than the datum was undetermined; a pseudo-inverse was then taken.
+    null : float64 (u, d)
+        The free motions, see `graphos_core.adjustment.bundle.datum.gauge`.
+    redundancy, effect : float64 (m, 2) or None
+        Of the observations in the order of the solver, see `graphos_core.adjustment.bundle.statistics_kernels`.
     """
 
     reduced: Array
@@ -44,9 +48,14 @@ class Cofactors:
     defect: int
     datum: str
     singular: bool
+    null: Array
+    redundancy: Array | None = None
+    effect: Array | None = None
 
 
-def cofactors(system: ReducedSystem, scene: Scene) -> Cofactors:
+def cofactors(
+    system: ReducedSystem, scene: Scene, kind: datum.DatumKind = "inner", delta0: float = -1.0
+) -> Cofactors:
     """Return the cofactors of all unknowns at `scene`.
 
     Parameters
@@ -55,32 +64,50 @@ def cofactors(system: ReducedSystem, scene: Scene) -> Cofactors:
         Inside its working context.
     scene : Scene
         Adjusted.
+    kind : {"inner", "minimal"}
+        How free motions of the block are fixed.
+    delta0 : float
+        Non-centrality of the minimal detectable bias; negative leaves out redundancy numbers and effects.
     """
     problem = system.problem
     equations = system.build(scene, 0.0)
     null = datum.gauge(problem, scene)
-    weights = datum.datum_weights(problem, scene)
-    reduced, singular = _inverse(equations.matrix, null, weights)
+    held = datum.constraints(problem, scene, null, kind)
+    reduced, singular = _inverse(equations.matrix, null, held)
     points = np.zeros((len(scene.points), 3, 3))
+    m = len(problem.layout.photo) if delta0 >= 0.0 else 0
+    redundancy, effect = np.zeros((m, 2)), np.zeros((m, 2))
 
     def one(chunk: int) -> None:
-        span = problem.chunks[chunk]
-        result_kernels.point_covariances(scene, problem.layout, system.rules, span, reduced, points)
+        statistics_kernels.statistics(
+            scene,
+            problem.layout,
+            system.rules,
+            problem.chunks[chunk],
+            reduced,
+            delta0,
+            points,
+            redundancy,
+            effect,
+        )
 
     system.each_chunk(one)
     defect = null.shape[1]
-    return Cofactors(reduced, points, defect, datum.describe(problem, defect), singular)
+    return Cofactors(
+        reduced, points, defect, datum.describe(problem, defect, kind), singular, null,
+        redundancy if m else None, effect if m else None,
+    )  # fmt: skip
 
 
-def _inverse(matrix: Array, null: Array, weights: Array) -> tuple[Array, bool]:
-    """Invert the reduced matrix (upper triangle) under inner constraints; scaled to unit diagonal first."""
+def _inverse(matrix: Array, null: Array, held: Array) -> tuple[Array, bool]:
+    """Invert the reduced matrix (upper triangle) under the conditions ``heldᵀ x = 0``; scaled to unit diagonal first."""
     u = len(matrix)
     if u == 0:
         return np.zeros((0, 0)), False
     scale = np.sqrt(np.maximum(matrix.diagonal(), 0.0))
     scale[scale == 0.0] = 1.0
     scaled = np.triu(matrix) / scale[:, None] / scale
-    constraints = np.linalg.qr(weights[:, None] * null / scale[:, None])[0]
+    constraints = np.linalg.qr(held / scale[:, None])[0]
     motion = null * scale[:, None]
     regular = scaled + np.triu(constraints @ constraints.T)
     factor, info = lapack.dpotrf(regular.T, lower=1, clean=0)

@@ -17,14 +17,9 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from graphos_core.cameras.kernels import MAX_VALUES, project
+from graphos_core.adjustment.bundle.robust_kernels import robust
+from graphos_core.cameras.kernels import project
 from graphos_core.data.record import Array
-
-ROW = 6 + MAX_VALUES
-"""Largest number of reduced unknowns that one observation depends on."""
-
-NONE, HUBER, CAUCHY = 0, 1, 2
-"""Codes of the robust functions."""
 
 COST, GRADIENT, VISIBLE, LOST, STEP2, SIZE2, PREDICTED = range(7)
 """Places in the totals of a chunk."""
@@ -35,16 +30,19 @@ class Scene(NamedTuple):
 
     Attributes
     ----------
-    values : float64 (c, MAX_VALUES)
-        Camera parameters.
+    values : float64 (c, k)
+        Camera parameters; k of the camera with most.
     rotations, centres : float64 (n, 3, 3), (n, 3)
     points : float64 (p, 3)
+    extra : float64 (e,)
+        Unknowns of other observations: lever arm, plane, … .
     """
 
     values: Array
     rotations: Array
     centres: Array
     points: Array
+    extra: Array
 
 
 class Rules(NamedTuple):
@@ -54,15 +52,15 @@ class Rules(NamedTuple):
     ----------
     robust : int
         Code of the robust function.
-    scale_px : float
-        Its scale.
+    scale : float
+        Its scale, in units of the a priori standard deviation of an observation.
     guard : bool
         True sets observations behind their camera aside; False projects them through the projection centre, as
         the formula of a central camera does (for comparison with other programs).
     """
 
     robust: int
-    scale_px: float
+    scale: float
     guard: bool
 
 
@@ -79,7 +77,13 @@ class Layout(NamedTuple):
         Observations of point i are ``start[i]`` to ``start[i + 1]``.
     photo : int64 (m,)
     xy : float64 (m, 2)
+    weight : float64 (m,)
+        1/σ² of each observation, px⁻².
     free_point : bool (p,)
+        Points that are eliminated.
+    point_column : int64 (p,)
+        First column of a point that is kept in the reduced system, because other observations than images concern
+        it; −1 for eliminated points and those held fixed.
     photo_column : int64 (n,)
         First column of a photo's unknowns.
     pose : int64 (n,)
@@ -88,9 +92,11 @@ class Layout(NamedTuple):
         Unknowns of the photo's block; includes those of its camera where the camera is the photo's own.
     camera_column : int64 (c,)
         First column of a camera shared by several photos; −1 where it has none of its own.
-    free_index : int64 (c, MAX_VALUES)
+    free_index : int64 (c, k)
         Which parameters of a camera are free, in order.
     free_count : int64 (c,)
+    row : int64 (1,)
+        Largest number of reduced unknowns that one observation depends on.
     """
 
     codes: Array
@@ -98,13 +104,16 @@ class Layout(NamedTuple):
     start: Array
     photo: Array
     xy: Array
+    weight: Array
     free_point: Array
+    point_column: Array
     photo_column: Array
     pose: Array
     width: Array
     camera_column: Array
     free_index: Array
     free_count: Array
+    row: Array
 
 
 class Image(NamedTuple):
@@ -113,19 +122,6 @@ class Image(NamedTuple):
     pixel: Array
     slope: Array
     inner: Array
-
-
-@njit(cache=True, nogil=True, inline="always")
-def robust(kind: int, scale: float, square: float) -> tuple[float, float]:
-    """Return ρ(s) and the weight ρ'(s) of the squared length s of a residual, with the scale in px."""
-    limit = scale * scale
-    if kind == HUBER and square > limit:
-        length = np.sqrt(square)
-        return 2.0 * scale * length - limit, scale / length
-    if kind == CAUCHY:
-        ratio = 1.0 + square / limit
-        return limit * np.log(ratio), 1.0 / ratio
-    return square, 1.0
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -154,10 +150,10 @@ def linearise(
     misfit: Array,
     seen: Array,
 ) -> tuple[int, float]:
-    """Linearise the observations of point i, times the root of their robust weights.
+    """Linearise the observations of point i, times the root of their weights.
 
-    Fills ``rows`` (k, 2, ROW) = ∂v/∂(photo, camera), ``ground`` (k, 2, 3) = ∂v/∂X, ``misfit`` (k, 2) = v and
-    ``seen`` (k,); returns how many are in front of their camera, and ½ Σ ρ.
+    Fills ``rows`` (k, 2, row) = ∂v/∂(photo, camera, kept point), ``ground`` (k, 2, 3) = ∂v/∂X, ``misfit`` (k, 2) = v
+    and ``seen`` (k,); returns how many have an image, and ½ Σ ρ.
     """
     pixel, slope, inner = image
     cost = 0.0
@@ -176,9 +172,9 @@ def linearise(
         count += 1
         vx = pixel[0] - layout.xy[o, 0]
         vy = pixel[1] - layout.xy[o, 1]
-        rho, weight = robust(rules.robust, rules.scale_px, vx * vx + vy * vy)
+        rho, weight = robust(rules.robust, rules.scale, layout.weight[o] * (vx * vx + vy * vy))
         cost += 0.5 * rho
-        root = np.sqrt(weight)
+        root = np.sqrt(weight * layout.weight[o])
         turn = root * side
         misfit[k, 0] = vx * root
         misfit[k, 1] = vy * root
@@ -212,4 +208,8 @@ def linearise(
                 rows[k, a, 5] = -j2
             for b in range(free):
                 rows[k, a, pose + b] = inner[a, layout.free_index[c, b]] * root
+            if layout.point_column[i] >= 0:
+                rows[k, a, pose + free] = j0
+                rows[k, a, pose + free + 1] = j1
+                rows[k, a, pose + free + 2] = j2
     return count, cost

@@ -10,8 +10,8 @@ from itertools import pairwise
 import numpy as np
 
 from graphos_core.adjustment.bundle.kernels import Layout, Scene
+from graphos_core.adjustment.bundle.known.group import Columns, Group
 from graphos_core.cameras import camera_model
-from graphos_core.cameras.kernels import MAX_VALUES
 from graphos_core.data import Array, Block
 from graphos_core.errors import UserError
 
@@ -56,6 +56,10 @@ class Problem:
         Size u of the reduced system.
     chunks : tuple of (int, int, int)
         First and last point of each chunk and the largest number of rays; depends on the block only.
+    groups : tuple of Group
+        Other observations than image points, as far as what they concern takes part.
+    columns : tuple of Columns
+        Where the unknowns of each group stand.
     """
 
     block: Block
@@ -65,17 +69,24 @@ class Problem:
     observation: Array
     unknowns: int
     chunks: tuple[tuple[int, int, int], ...]
+    groups: tuple[Group, ...] = ()
+    columns: tuple[Columns, ...] = ()
 
     @cached_property
     def free_points(self) -> int:
-        """Number of object points that are unknown."""
+        """Number of object points that are eliminated unknowns."""
         return int(self.layout.free_point.sum())
+
+    @property
+    def fixed(self) -> Array:
+        """Bool (p,): points held fixed, in the order of the solver."""
+        return ~self.layout.free_point & (self.layout.point_column < 0)
 
     @property
     def fixed_points(self) -> Array:
         """Bool (p,): fixed points in the order of the block."""
         fixed = np.empty(len(self.order), dtype=bool)
-        fixed[self.order] = ~self.layout.free_point
+        fixed[self.order] = self.fixed
         return fixed
 
     def to_block(self, scene: Scene) -> Block:
@@ -91,8 +102,14 @@ class Problem:
         )
 
 
-def usable(block: Block, fixed_points: Array) -> Array:
+def usable(block: Block, single: Array) -> Array:
     """Say which observations can take part: oriented photo, first of its point and photo, point with two rays.
+
+    Parameters
+    ----------
+    block : Block
+    single : bool (p,)
+        Points for which one ray is enough: those held fixed, and those that other observations concern.
 
     Returns
     -------
@@ -107,7 +124,7 @@ def usable(block: Block, fixed_points: Array) -> Array:
         first[candidates[np.unique(key[candidates], return_index=True)[1]]] = True
         keep &= first
     rays = np.bincount(block.obs_point[keep], minlength=len(block.points))
-    return keep & ((rays >= 2) | fixed_points)[block.obs_point]
+    return keep & ((rays >= 2) | single)[block.obs_point]
 
 
 def select(block: Block, keep: Array) -> tuple[Block, Array]:
@@ -134,11 +151,20 @@ def select(block: Block, keep: Array) -> tuple[Block, Array]:
         obs_photo=block.obs_photo[index],
         obs_point=obs_point.astype(np.int32),
         obs_xy=block.obs_xy[index],
+        obs_sigma_px=None if block.obs_sigma_px is None else block.obs_sigma_px[index],
     ), points
 
 
-def make_problem(block: Block, freedom: Freedom) -> Problem:
+def make_problem(block: Block, freedom: Freedom, groups: Sequence[Group] = ()) -> Problem:
     """Prepare the adjustment of a block.
+
+    Parameters
+    ----------
+    block : Block
+    freedom : Freedom
+    groups : sequence of Group
+        Other observations; their points and photos are indices into `block`. Points they concern become unknowns
+        of the reduced system.
 
     Raises
     ------
@@ -147,7 +173,11 @@ def make_problem(block: Block, freedom: Freedom) -> Problem:
     """
     fixed = np.zeros(len(block.points), dtype=bool) if freedom.fixed_points is None else freedom.fixed_points
     fixed = np.asarray(fixed, dtype=bool)
-    block, points = select(block, usable(block, fixed))
+    kept = np.zeros(len(block.points), dtype=bool)
+    for group in groups:
+        kept[group.points] = True
+    whole = block
+    block, points = select(block, usable(block, fixed | kept))
     if len(block.obs_xy) == 0:
         raise UserError(
             "The block has no observations to adjust.",
@@ -155,14 +185,20 @@ def make_problem(block: Block, freedom: Freedom) -> Problem:
             "Orient at least two photos that share tie points.",
             learn="adjustment/overlap",
         )
-    fixed = fixed[points]
+    fixed, kept = fixed[points], kept[points] & ~fixed[points]
     order, start, observation = _solver_order(block)
     photo = block.obs_photo[observation].astype(np.int64)
     layout, unknowns = _layout(block, freedom, photo)
+    point_column = np.where(kept[order], unknowns + 3 * (np.cumsum(kept[order]) - 1), -1)
+    unknowns += 3 * int(kept.sum())
     layout = layout._replace(
-        start=start, photo=photo, xy=np.ascontiguousarray(block.obs_xy[observation]), free_point=~fixed[order]
-    )
-    values = np.zeros((len(block.cameras), MAX_VALUES))
+        start=start, photo=photo, xy=np.ascontiguousarray(block.obs_xy[observation]),
+        weight=_weights(block, observation), free_point=~(fixed | kept)[order],
+        point_column=point_column.astype(np.int64),
+    )  # fmt: skip
+    used = np.bincount(photo, minlength=len(block.names)) > 0
+    present, columns, extra, unknowns = _bind(whole, points, order, layout, used, groups, unknowns)
+    values = np.zeros((len(block.cameras), layout.free_index.shape[1]))
     for c, camera in enumerate(block.cameras):
         values[c, : len(camera.values)] = camera.values
     scene = Scene(
@@ -170,8 +206,56 @@ def make_problem(block: Block, freedom: Freedom) -> Problem:
         np.array(block.rotations, dtype=np.float64),
         np.array(block.centres, dtype=np.float64),
         np.ascontiguousarray(block.points[order], dtype=np.float64),
+        extra,
     )
-    return Problem(block, layout, scene, order, observation, unknowns, _chunks(start, unknowns))
+    return Problem(
+        block, layout, scene, order, observation, unknowns, _chunks(start, unknowns), present, columns
+    )
+
+
+def _weights(block: Block, observation: Array) -> Array:
+    if block.obs_sigma_px is None:
+        return np.ones(len(observation))
+    return np.asarray(1.0 / np.asarray(block.obs_sigma_px, dtype=np.float64)[observation] ** 2)
+
+
+def _bind(
+    whole: Block, points: Array, order: Array, layout: Layout, used: Array, groups: Sequence[Group], unknowns: int
+) -> tuple[tuple[Group, ...], tuple[Columns, ...], Array, int]:  # fmt: skip
+    """Find where the unknowns of each group stand; its own unknowns follow all others."""
+    if not groups:
+        return (), (), np.empty(0), unknowns
+    place = np.full(len(whole.points), -1, dtype=np.int64)
+    place[points[order]] = np.arange(len(order))
+    column = np.full(len(whole.points), -1, dtype=np.int64)
+    column[points[order]] = layout.point_column
+    photo = np.where(layout.pose > 0, layout.photo_column, -1)
+    camera = _camera_columns(layout)
+    present: list[Group] = []
+    bound: list[Columns] = []
+    start: list[float] = []
+    for group in groups:
+        rest = group.restrict(place >= 0, used)
+        if rest is None:
+            continue
+        present.append(rest)
+        bound.append(Columns(place, column, photo, camera, unknowns, len(start)))
+        unknowns += len(rest.extras)
+        start += [extra.value for extra in rest.extras]
+    return tuple(present), tuple(bound), np.array(start, dtype=np.float64), unknowns
+
+
+def _camera_columns(layout: Layout) -> Array:
+    """Return the column (c, k) of each camera parameter, −1 where it is fixed."""
+    out = np.full(layout.free_index.shape, -1, dtype=np.int64)
+    for c, count in enumerate(layout.free_count):
+        index = layout.free_index[c, :count]
+        if layout.camera_column[c] >= 0:
+            out[c, index] = layout.camera_column[c] + np.arange(count)
+        elif count:  # of one photo alone
+            n = int(np.flatnonzero((layout.camera == c) & (layout.width > layout.pose))[0])
+            out[c, index] = layout.photo_column[n] + layout.pose[n] + np.arange(count)
+    return out
 
 
 def _solver_order(block: Block) -> tuple[Array, Array, Array]:
@@ -202,14 +286,16 @@ def _layout(block: Block, freedom: Freedom, photo: Array) -> tuple[Layout, int]:
     codes = np.array([camera_model(camera.model).code for camera in block.cameras], dtype=np.int64)
     nothing = np.empty(0, dtype=np.int64)
     layout = Layout(
-        codes, camera, nothing, nothing, np.empty((0, 2)), np.empty(0, dtype=bool),
+        codes, camera, nothing, nothing, np.empty((0, 2)), np.empty(0), np.empty(0, dtype=bool), nothing,
         photo_column, pose, width, camera_column.astype(np.int64), free_index, free_count,
+        np.array([9 + int(free_count.max(initial=0))], dtype=np.int64),
     )  # fmt: skip
     return layout, int(width.sum() + shared.sum())
 
 
 def _free_parameters(block: Block, freedom: Freedom) -> tuple[Array, Array]:
-    free_index = np.zeros((len(block.cameras), MAX_VALUES), dtype=np.int64)
+    most = max(len(camera_model(camera.model).parameters) for camera in block.cameras)
+    free_index = np.zeros((len(block.cameras), most), dtype=np.int64)
     free_count = np.zeros(len(block.cameras), dtype=np.int64)
     for c, names in enumerate(freedom.interior):
         model = camera_model(block.cameras[c].model)

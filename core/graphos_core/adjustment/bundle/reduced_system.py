@@ -15,6 +15,7 @@ from threadpoolctl import ThreadpoolController
 
 from graphos_core.adjustment.bundle import kernels, reduction_kernels, step_kernels
 from graphos_core.adjustment.bundle.kernels import Rules, Scene
+from graphos_core.adjustment.bundle.known import assembly
 from graphos_core.adjustment.bundle.problem import Problem
 from graphos_core.data import Array
 
@@ -128,15 +129,30 @@ class ReducedSystem:
             matrix[row:] += other[row:]
         vectors = sum(part[0] for part in parts)
         totals = [part[1] for part in parts]
+        cost = float(sum(t[kernels.COST] for t in totals))
+        if self.problem.groups:
+            cost += self._add_others(scene, matrix, vectors)
         gradient = vectors[0]
         largest = max(
             [float(np.abs(gradient).max(initial=0.0)), *(float(t[kernels.GRADIENT]) for t in totals)]
         )
         return Equations(
-            matrix, gradient, vectors[0] + vectors[1], vectors[2],
-            float(sum(t[kernels.COST] for t in totals)), largest,
+            matrix, gradient, vectors[0] + vectors[1], vectors[2], cost, largest,
             int(sum(t[kernels.VISIBLE] for t in totals)),
         )  # fmt: skip
+
+    def _add_others(self, scene: Scene, matrix: Array, vectors: Array) -> float:
+        """Add the other observations to the upper triangle, the gradient and the diagonal; return their cost."""
+        found = assembly.linearise(self.problem, scene)
+        if found is None:
+            return 0.0
+        residuals, jacobian = found.weighted
+        normal = (jacobian.T @ jacobian).tocoo()
+        upper = normal.row <= normal.col
+        matrix[normal.row[upper], normal.col[upper]] += normal.data[upper]
+        vectors[0] += jacobian.T @ residuals
+        vectors[2] += normal.diagonal()
+        return found.cost
 
     def solve(self, equations: Equations, damping: float) -> Array | None:
         """Return the step of the reduced unknowns, or None where the damped matrix is not positive definite.
@@ -162,6 +178,7 @@ class ReducedSystem:
         moved = Scene(*(np.empty_like(part) for part in scene))
         shift = np.zeros((len(layout.pose), 3))
         step_kernels.move_photos(scene, layout, step, moved, shift)
+        moved.extra[:] = scene.extra + step[len(step) - len(scene.extra) :]
 
         def one(chunk: int) -> Array:
             totals = np.zeros(7)
@@ -170,10 +187,11 @@ class ReducedSystem:
             return totals
 
         totals = sum(self.each_chunk(one))
+        cost = float(totals[kernels.COST]) + assembly.cost(self.problem, moved)
         predicted = 0.5 * float(step @ (damping * equations.diagonal * step - equations.gradient))
         size = float(totals[kernels.SIZE2]) + float((scene.centres**2).sum()) + float((scene.values**2).sum())
         return Moved(
-            moved, float(totals[kernels.COST]), predicted + float(totals[kernels.PREDICTED]),
+            moved, cost, predicted + float(totals[kernels.PREDICTED]),
             int(totals[kernels.LOST]), float(np.sqrt(totals[kernels.STEP2] + step @ step)), float(np.sqrt(size)),
         )  # fmt: skip
 

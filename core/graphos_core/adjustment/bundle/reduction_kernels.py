@@ -12,7 +12,6 @@ from numba import njit
 from graphos_core.adjustment.bundle.kernels import (
     COST,
     GRADIENT,
-    ROW,
     VISIBLE,
     Image,
     Layout,
@@ -20,7 +19,6 @@ from graphos_core.adjustment.bundle.kernels import (
     Scene,
     linearise,
 )
-from graphos_core.cameras.kernels import MAX_VALUES
 from graphos_core.data.record import Array
 
 ZERO, ONE, TWO, THREE = np.uint64(0), np.uint64(1), np.uint64(2), np.uint64(3)
@@ -103,7 +101,7 @@ def gather(
     column: Array,
     width: Array,
 ) -> int:
-    """Collect ``coupling`` (s, ROW, 3) = (∂v/∂block)ᵀ ∂v/∂X of every block of unknowns that sees point i.
+    """Collect ``coupling`` (s, row, 3) = (∂v/∂block)ᵀ ∂v/∂X of every block of unknowns that sees point i.
 
     Photos first, in order, then shared cameras; returns their number s.
     """
@@ -148,7 +146,7 @@ def gather(
 def _add_block(
     matrix: Array, row: int, col: int, rows: Array, k: int, place: tuple[int, int], size: tuple[int, int]
 ) -> None:
-    """Add ``A B`` to a block of ``matrix``, A and B the parts of ``rows[k]`` (2, ROW) from ``place`` with ``size``.
+    """Add ``A B`` to a block of ``matrix``, A and B the parts of ``rows[k]`` (2, row) from ``place`` with ``size``.
 
     Of a block on the diagonal the upper triangle is added (and entries below it that nobody reads). Three columns
     stay in registers while the rows pass, which beats short loops along the rows.
@@ -203,8 +201,16 @@ def _add_reduced(
         if free > 0:
             _add_block(matrix, col, shared, rows, k, (0, w), (w, free))
             _add_block(matrix, shared, shared, rows, k, (w, w), (free, free))
-        for a in range(w + free):
-            place = col + a if a < w else shared + a - w
+        kept = layout.point_column[i]
+        extra = 0
+        if kept >= 0:
+            extra = 3
+            _add_block(matrix, col, kept, rows, k, (0, w + free), (w, 3))
+            if free > 0:
+                _add_block(matrix, shared, kept, rows, k, (w, w + free), (free, 3))
+            _add_block(matrix, kept, kept, rows, k, (w + free, w + free), (3, 3))
+        for a in range(w + free + extra):
+            place = col + a if a < w else shared + a - w if a < w + free else kept + a - w - free
             vectors[0, place] += rows[k, 0, a] * misfit[k, 0] + rows[k, 1, a] * misfit[k, 1]
             vectors[2, place] += rows[k, 0, a] * rows[k, 0, a] + rows[k, 1, a] * rows[k, 1, a]
 
@@ -213,7 +219,7 @@ def _add_reduced(
 def _subtract_point(
     matrix: Array, count: int, coupling: Array, column: Array, width: Array, inverse: Array, solved: Array
 ) -> None:
-    """Subtract ``W V⁻¹ Wᵀ`` of ONE point from the upper triangle of ``matrix``; ``solved`` (ROW, 3) is scratch.
+    """Subtract ``W V⁻¹ Wᵀ`` of ONE point from the upper triangle of ``matrix``; ``solved`` (row, 3) is scratch.
 
     Three columns of W stay in registers while the rows pass, and indices are unsigned (a signed one is tested for
     being negative at each access): each makes this loop, the longest of all, much faster.
@@ -284,18 +290,19 @@ def build(
         Cost, largest gradient element of a point, observations in front of their cameras.
     """
     rays = span[2]
-    image = Image(np.empty(2), np.empty((2, 3)), np.empty((2, MAX_VALUES)))
-    rows = np.empty((rays, 2, ROW))
+    row = layout.row[0]
+    image = Image(np.empty(2), np.empty((2, 3)), np.empty((2, scene.values.shape[1])))
+    rows = np.empty((rays, 2, row))
     ground = np.empty((rays, 2, 3))
     misfit = np.empty((rays, 2))
     seen = np.empty(rays, dtype=np.bool_)
-    coupling = np.empty((2 * rays, ROW, 3))
+    coupling = np.empty((2 * rays, row, 3))
     column = np.empty(2 * rays, dtype=np.int64)
     width = np.empty(2 * rays, dtype=np.int64)
     v = np.empty(6)
     g = np.empty(3)
     inverse = np.empty((3, 3))
-    solved = np.empty((ROW, 3))
+    solved = np.empty((row, 3))
     for i in range(span[0], span[1]):
         count, cost = linearise(scene, layout, rules, i, image, rows, ground, misfit, seen)
         if layout.free_point[i]:

@@ -16,10 +16,10 @@ from graphos_core.adjustment.bundle.kernels import (
     Rules,
     Scene,
     in_camera,
-    robust,
 )
 from graphos_core.adjustment.bundle.reduction_kernels import invert
-from graphos_core.cameras.kernels import MAX_VALUES, project
+from graphos_core.adjustment.bundle.robust_kernels import robust
+from graphos_core.cameras.kernels import project
 from graphos_core.data.record import Array
 
 
@@ -46,7 +46,7 @@ def cost_of_point(
             continue
         vx = pixel[0] - layout.xy[o, 0]
         vy = pixel[1] - layout.xy[o, 1]
-        cost += 0.5 * robust(rules.robust, rules.scale_px, vx * vx + vy * vy)[0]
+        cost += 0.5 * robust(rules.robust, rules.scale, layout.weight[o] * (vx * vx + vy * vy))[0]
     return cost, lost
 
 
@@ -86,8 +86,9 @@ def _sum_point(
         count += 1
         vx = pixel[0] - layout.xy[o, 0]
         vy = pixel[1] - layout.xy[o, 1]
-        rho, weight = robust(rules.robust, rules.scale_px, vx * vx + vy * vy)
+        rho, weight = robust(rules.robust, rules.scale, layout.weight[o] * (vx * vx + vy * vy))
         cost += 0.5 * rho
+        weight *= layout.weight[o]
         m0 = 0.0
         m1 = 0.0
         m2 = 0.0
@@ -148,7 +149,7 @@ def substitute(
     -----
     A point whose step would carry it behind one of its cameras goes half, a quarter, … of its way.
     """
-    image = Image(np.empty(2), np.empty((2, 3)), np.empty((2, MAX_VALUES)))
+    image = Image(np.empty(2), np.empty((2, 3)), np.empty((2, scene.values.shape[1])))
     seen = np.empty(span[2], dtype=np.bool_)
     sums = np.empty(12)
     m = np.empty(3)
@@ -160,6 +161,9 @@ def substitute(
             totals[SIZE2] += scene.points[i, b] * scene.points[i, b]
         for b in range(3):
             m[b] = 0.0
+        if layout.point_column[i] >= 0:  # its step is among the reduced unknowns
+            for b in range(3):
+                m[b] = step[layout.point_column[i] + b]
         if layout.free_point[i]:
             if count < 2 or not invert(sums, damping, inverse):
                 continue

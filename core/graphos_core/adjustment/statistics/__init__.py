@@ -1,0 +1,1 @@
+"""What the residuals and cofactors say: tests, reliability, significance, variance components, diagnosis in words."""
