@@ -15,6 +15,8 @@ from graphos_didactic.scene import AnyMark, Dash, Handle, Line, Panel, Point, Po
 
 HALF_WIDTH, HALF_HEIGHT = 200.0, 165.0
 """The observer's picture, from its middle, px."""
+FARTHEST = 4000.0
+"""Places farther from the middle than this count as this far, px."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +33,8 @@ class Observer:
         Degrees around the vertical from the negative Y axis, and above the horizon.
     focal : float
         Principal distance, px of the picture: larger makes things larger.
+    half_height : float
+        Of the picture, px; its half width is `HALF_WIDTH`.
     """
 
     middle: Array
@@ -38,6 +42,7 @@ class Observer:
     orbit: float
     height: float = 28.0
     focal: float = 440.0
+    half_height: float = HALF_HEIGHT
 
     @cached_property
     def camera(self) -> Camera:
@@ -62,7 +67,8 @@ class Observer:
 
     def ray(self, x: float, y: float) -> Array:
         """Return the unit vector, object frame, from the observer through a place of the picture."""
-        ray = ray_from_pixel(self.camera, np.array([[x, y]]))[0] @ self.rotation
+        place = np.clip([[x, y]], -FARTHEST, FARTHEST)
+        ray = ray_from_pixel(self.camera, place)[0] @ self.rotation
         return np.asarray(ray / np.linalg.norm(ray))
 
     def on_sphere(self, centre: Array, radius: float, x: float, y: float) -> Array:
@@ -86,14 +92,16 @@ class Observer:
     def orbit_handle(self, panel: str = "space") -> Handle:
         """Return the handle that leads the observer round: the parameter ``orbit``, degrees."""
         return Handle(panel=panel, name="orbit", label="View from", role="neutral", freedom="x", nudge=(5.0, 0.0),
-                      at=(self.orbit, HALF_HEIGHT - 15.0), parameters=("orbit",),
+                      at=(self.orbit, self.half_height - 15.0), parameters=("orbit",),
                       move=lambda x, _: {"orbit": x})  # fmt: skip
 
 
-def space_panel(title: str, rect: tuple[float, float, float, float]) -> Panel:
+def space_panel(
+    title: str, rect: tuple[float, float, float, float], half_height: float = HALF_HEIGHT
+) -> Panel:
     """Return the panel ``"space"`` of an observer."""
     return Panel(name="space", title=title, rect=rect, kind="picture", equal=True, y_down=True,
-                 x_range=(-HALF_WIDTH, HALF_WIDTH), y_range=(-HALF_HEIGHT, HALF_HEIGHT))  # fmt: skip
+                 x_range=(-HALF_WIDTH, HALF_WIDTH), y_range=(-half_height, half_height))  # fmt: skip
 
 
 def format_corners(camera: Camera) -> Array:
