@@ -27,7 +27,10 @@ from graphos_core.data.record import Array
 from graphos_core.errors import UserError
 from graphos_core.params import unknown_name
 
-MODULES = ("pinhole", "basic", "fisheye_equidistant", "fisheye_equisolid")
+MODULES = (
+    "pinhole", "basic", "radial", "brown", "complete", "brown_backward", "ebner", "polynomial",
+    "fisheye_equidistant", "fisheye_equisolid", "opencv", "spherical",
+)  # fmt: skip
 """Files of the models, in the order in which people are shown them."""
 
 Equations = Callable[[Any, Any, Any], tuple[Any, Any]]
@@ -53,6 +56,8 @@ class Parameter:
         Standard deviation, in `unit`, of the prior that holds it when it is free with a prior.
     reason : str
         Why it is not simply free.
+    same_as : str or None
+        Name by which other models call the same quantity; None for the same name, empty when no other model has it.
     """
 
     name: str
@@ -64,6 +69,12 @@ class Parameter:
     default: str = "free"
     prior_sigma: float | None = None
     reason: str = ""
+    same_as: str | None = None
+
+    @property
+    def meaning(self) -> str:
+        """Name of the quantity, the same in every model that has it; empty when this model alone has it."""
+        return self.name if self.same_as is None else self.same_as
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Kernel of the camera model “Fish-eye, equisolid-angle”.
 
-Written by `graphos_core.cameras.generator` with SymPy 1.14.0 from `graphos_core.cameras.fisheye_equidistant`: do not edit.
+Written by `graphos_core.cameras.generator` with SymPy 1.14.0 from `graphos_core.cameras.brown`: do not edit.
 """
 
 from math import sqrt

@@ -1,0 +1,73 @@
+"""Kernel of the camera model “Spherical (panorama)”.
+
+Written by `graphos_core.cameras.generator` with SymPy 1.14.0 from `graphos_core.cameras.sheet`: do not edit.
+"""
+
+from math import atan2, sqrt
+
+from numba import carray, cfunc, njit
+
+from graphos_core.cameras.entry import SIGNATURE
+from graphos_core.data.record import Array
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def kernel(
+    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
+) -> bool:
+    """Project one point with derivatives; see `graphos_core.cameras.model` for the signature."""
+    if x == 0.0 and z == 0.0:
+        return False
+    s0 = (x*x) + (z*z)
+    s1 = sqrt(s0)
+    s2 = (1.0 / s0)
+    s3 = (1.0 / (s0 + (y*y)))
+    s4 = s3*y/s1
+    u = atan2(x, z)
+    v = atan2(y, s1)
+    u_x = s2*z
+    u_y = 0.0
+    u_z = -s2*x
+    v_x = -s4*x
+    v_y = s1*s3
+    v_z = -s4*z
+    focal_px = values[0]
+    x0 = values[1]
+    y0 = values[2]
+    pixel[0] = focal_px*u + x0
+    pixel[1] = focal_px*v + y0
+    x_u = focal_px
+    x_v = 0.0
+    d_values[0, 0] = u
+    d_values[0, 1] = 1.0
+    d_values[0, 2] = 0.0
+    y_u = 0.0
+    y_v = focal_px
+    d_values[1, 0] = v
+    d_values[1, 1] = 0.0
+    d_values[1, 2] = 1.0
+    d_point[0, 0] = x_u * u_x + x_v * v_x
+    d_point[0, 1] = x_u * u_y + x_v * v_y
+    d_point[0, 2] = x_u * u_z + x_v * v_z
+    d_point[1, 0] = y_u * u_x + y_v * v_x
+    d_point[1, 1] = y_u * u_y + y_v * v_y
+    d_point[1, 2] = y_u * u_z + y_v * v_z
+    return True
+
+
+@cfunc(SIGNATURE, cache=True, error_model="numpy")
+def entry(
+    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
+) -> int:
+    """Call `kernel` from compiled code by address; see `graphos_core.cameras.entry`."""
+    return int(
+        kernel(
+            carray(values, (3,)),
+            x,
+            y,
+            z,
+            carray(pixel, (2,)),
+            carray(d_point, (2, 3)),
+            carray(d_values, (2, row)),
+        )
+    )
