@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from graphos_core.adjustment.bundle.robust import ROBUST
 from scipy.optimize import least_squares, minimize
 
+from graphos_core.adjustment.bundle.robust import ROBUST
 from graphos_didactic.simulator import drag, find_simulator
 from graphos_didactic.simulators.adjustment.robust_model import RAYS, Bundle, mm
 from graphos_didactic.simulators.adjustment.robust_params import RobustParams

@@ -71,7 +71,7 @@ PRESETS = (
     Preset("squares", "Least squares", "One wrong ray pulls the point, and all residuals look bad.",
            {"function": "none"}),
     Preset("three", "Three wrong rays", "Each wrong in its own way: they do not agree on anything.",
-           {"function": "tukey", "scale": 5.0, "ray_2": -35.0, "ray_5": 30.0, "ray_7": 40.0}),
+           {"function": "cauchy", "scale": 2.0, "ray_2": -35.0, "ray_5": 30.0, "ray_7": 40.0}),
     Preset("valley", "Wrong valley", "Four rays agree on another point. Begin with the best sample instead.",
            {"function": "tukey", "scale": 5.0, "draws": 30, "ray_7": 0.0, **aimed_at(60.0, 40.0, (2, 3, 6, 8))}),
     Preset("majority", "Wrong majority", "Five of nine agree on another point: nothing helps any more.",

@@ -67,7 +67,7 @@ def _explain(params: RobustParams, setting: Setting) -> str:
 
 PREDICTION = Prediction(
     question="The worst ray is moved much farther. What does the robust estimate do?",
-    choices=("it follows", "it hardly moves", "it goes back towards where it was without the blunder"),
+    choices=("it follows", "it hardly moves", "it goes back to the other rays"),
     change=_farther,
     answer=_answer,
     explain=_explain,
