@@ -12,6 +12,7 @@ from graphos_core.geometry.rotation import look_at
 from graphos_core.geometry.triangulation import ray_distances_px, triangulate
 from graphos_didactic.scene import (
     AnyMark,
+    Dash,
     Formula,
     Line,
     Number,
@@ -176,7 +177,7 @@ def _role(bundle: Bundle, k: int) -> Role:
     return "neutral" if bundle.good[k] else "second"
 
 
-def _dash(bundle: Bundle, k: int) -> str:
+def _dash(bundle: Bundle, k: int) -> Dash:
     return "solid" if bundle.good[k] else "dash"
 
 

@@ -43,7 +43,9 @@ def landscape_marks(bundle: Bundle) -> list[AnyMark]:
     marks: list[AnyMark] = []
     for part in (np.arange(LEVELS) + 0.3) / LEVELS:
         level = low + (high - low) * part**2
-        pieces = [piece for found in lines.lines(level) for piece in (found, np.full((1, 2), np.nan))]
+        pieces = [
+            piece for found in lines.lines(level) for piece in (np.asarray(found), np.full((1, 2), np.nan))
+        ]
         if pieces:
             marks.append(Line(panel="zoom", thing="valley", role="muted",
                               xy=np.concatenate(pieces[:-1]), width=0.7))  # fmt: skip

@@ -143,8 +143,8 @@ class Bundle:
     def least_squares(self) -> Array:
         """The point by least squares, float64 (3,): the engine's intersection of all rays."""
         found = triangulate(
-            [0, RAYS], np.arange(RAYS), self._ideal, np.full(RAYS, FOCAL_PX), ROTATIONS, CENTRES
-        )  # type: ignore[arg-type]
+            np.array([0, RAYS]), np.arange(RAYS), self._ideal, np.full(RAYS, FOCAL_PX), ROTATIONS, CENTRES
+        )
         return self.reweighted(found.points[0], ROBUST["none"], 3)[-1].point
 
     @cached_property
@@ -202,8 +202,8 @@ class Bundle:
         """Result of RANSAC: least squares of the rays that agree with the best sample, float64 (3,)."""
         keep = np.flatnonzero(self.agreeing[self.best])
         found = triangulate(
-            [0, len(keep)], keep, self._ideal[keep], np.full(RAYS, FOCAL_PX), ROTATIONS, CENTRES
-        )  # type: ignore[arg-type]
+            np.array([0, len(keep)]), keep, self._ideal[keep], np.full(RAYS, FOCAL_PX), ROTATIONS, CENTRES
+        )
         return np.asarray(found.points[0])
 
     @property

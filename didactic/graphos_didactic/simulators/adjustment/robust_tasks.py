@@ -90,8 +90,8 @@ def robust_task(seed: int) -> Task:
         rays = tuple(int(k) for k in np.sort(rng.choice(RAYS, 4, replace=False)) + 1)
         angle, far = rng.uniform(0, 2 * np.pi), rng.uniform(60, 100)
         wrong = aimed_at(far * np.cos(angle), far * np.sin(angle), rays)
-        sheet = RobustParams(
-            function="none", draws=1, seed=int(rng.integers(0, 9999)), **{"ray_7": 0.0, **wrong}
+        sheet = RobustParams(function="none", draws=1, seed=int(rng.integers(0, 9999)), ray_7=0.0).replace(
+            **wrong
         )
         answers = _answers(sheet)
         if answers is not None:
