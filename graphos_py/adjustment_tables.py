@@ -124,21 +124,3 @@ def sigma_opk(rotation: Any, sigma: Any, step: float = 1e-6) -> Any:
         change = np.array(opk_from_matrix(turned)) - base
         jacobian[:, axis] = (np.mod(change + np.pi, 2 * np.pi) - np.pi) / step
     return np.sqrt((jacobian**2) @ np.asarray(sigma) ** 2)
-
-
-def control_columns(georeference: Georeference) -> list[Column]:
-    """Return the residuals at control and check points, computed − given; no column where there are none."""
-    if not len(georeference.names):
-        return []
-    residuals = np.asarray(georeference.residuals, dtype=float)
-    kinds = [tr("check") if check else tr("control") for check in georeference.check]
-    columns = [Column(tr("point"), list(georeference.names)), Column(tr("kind"), kinds)]
-    lengths = np.linalg.norm(residuals, axis=1)
-    factor, unit = (1000.0, "mm") if np.nanmedian(lengths) < 0.1 else (1.0, "m")
-    decimals = max(0, 1 - math.floor(math.log10(max(float(np.nanmedian(lengths)) * factor, 1e-6))))
-    for axis, symbol in enumerate(("dX", "dY", "dZ")):
-        columns.append(
-            Column(symbol, factor * residuals[:, axis], unit, help=tr("computed − given"), decimals=decimals)
-        )
-    columns.append(Column(tr("length"), factor * lengths, unit, decimals=decimals))
-    return columns

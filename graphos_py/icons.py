@@ -54,6 +54,23 @@ NAMES = {
     "disk": "harddisk",
     "ruler": "ruler",
     "trash": "trash-can-outline",
+    "undo": "undo",
+    "redo": "redo",
+    "paste": "content-paste",
+    "import": "table-arrow-left",
+    "previous": "chevron-left",
+    "target": "target",
+    "check points": "map-marker-check-outline",
+    "step back": "skip-previous",
+    "step": "skip-next",
+    "to start": "skip-backward",
+    "pause": "pause",
+    "phone": "cellphone",
+    "compact": "camera-outline",
+    "reflex": "camera-iris",
+    "drone": "quadcopter",
+    "fish-eye": "blur-radial",
+    "compare": "compare-horizontal",
 }
 
 _bound: list[tuple[weakref.ref[Any], str, str]] = []

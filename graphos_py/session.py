@@ -117,6 +117,20 @@ class Session(QObject):
         if project is not None:
             self._read(lambda run: (project.change(run, **settings), recipe), self._changed)
 
+    def known_changed(self, project: Project) -> None:
+        """Go on with the project after its control points were edited: results of now may be older ones, or none."""
+        renamed, self.project = project is not self.project, project
+        if self.recipe is not None:
+            self._set_recipe(self.recipe)
+        later = STAGES[STAGES.index("adjustment") :]
+        for stage in later:
+            self.failed.pop(stage, None)
+        self.states_changed.emit()
+        if renamed:
+            self.project_changed.emit()
+        if self.pipeline is not None and self.pipeline.state("adjustment").status == "done":
+            self.load_results(later)
+
     def _opened(self, opened: tuple[Any, Any]) -> None:
         self.photo = 0
         self.results.clear()

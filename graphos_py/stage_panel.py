@@ -132,6 +132,11 @@ class StagePanel(QScrollArea):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         theme().changed.connect(self._widen)
 
+    @property
+    def level(self) -> Level:
+        """What is shown: novice, student or expert."""
+        return self._level
+
     def set_level(self, level: Level) -> None:
         """Fold or show parameters."""
         self._level = level

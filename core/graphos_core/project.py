@@ -180,6 +180,12 @@ class Project:
         project.save()
         return project
 
+    def with_control(self, name: str) -> Project:
+        """Return the project with another control point file inside its folder, saved; photos are not read again."""
+        project = Project(self.folder, replace(self.settings, control=name), self.photo_set, self.store)
+        project.save()
+        return project
+
     def control(self) -> tuple[Control | None, ControlObservations | None]:
         """Read the control points and their image measurements; None where there are none."""
         if not self.settings.control:

@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QLabel, QSplitter, QVBoxLayout, QWidget
 
 from graphos_core.data import Adjustment, Array, Block, Georeference, IterationRecord
 from graphos_core.number_format import format_value
+from graphos_core.params import Level
 from graphos_py.tabs.images import read_photo
 from graphos_py.tabs.stage_tab import StageTab
 from graphos_py.thumbnail_pixels import thumbnail_arrays
@@ -34,6 +35,7 @@ class AdjustmentTab(StageTab):
 
     def make_views(self) -> None:
         """Cloud, tables, plots."""
+        from graphos_py.control.page import ControlPage
         from graphos_py.views.cloud_view import CloudView
         from graphos_py.views.image_view import ImageView
         from graphos_py.views.plot_view import PlotView
@@ -48,11 +50,13 @@ class AdjustmentTab(StageTab):
         self.summary.setTextFormat(Qt.TextFormat.RichText)
         self.summary.setMargin(12)
         self.summary.setWordWrap(True)
-        self.cameras, self.photos, self.control = TableView(), TableView(), TableView()
+        self.cameras, self.photos = TableView(), TableView()
+        self.control = ControlPage(self.session, self.panel.level)
         self.photos.row_selected.connect(self.session.select_photo)
         self.residual_image = ImageView()
         self.histogram, self.iterations = PlotView(), PlotView()
         self.add_view(self.cloud, "3D")
+        self.add_view(self.control, "Control")
         self.add_view(_column(self.summary, self.cameras), "Calibration")
         self.add_view(self.photos, "Photos")
         self.residual_text = QLabel()
@@ -64,7 +68,6 @@ class AdjustmentTab(StageTab):
         residuals.setSizes([500, 500])
         self.add_view(residuals, "Residuals")
         self.add_view(self.iterations, "Iterations")
-        self.add_view(self.control, "Control")
 
     # ---------------------------------------------------------------------------------------------- results
 
@@ -74,7 +77,6 @@ class AdjustmentTab(StageTab):
         georeference: Georeference = result.georeference
         from graphos_py.adjustment_tables import (
             camera_columns,
-            control_columns,
             endings,
             photo_columns,
             summary,
@@ -85,14 +87,23 @@ class AdjustmentTab(StageTab):
         self.summary.setText(_cells_html(summary(adjustment, georeference), endings(adjustment)))
         self.cameras.set_table(camera_columns(adjustment.block))
         self.photos.set_table(photo_columns(adjustment))
-        control = control_columns(georeference)
-        self.control.set_table(control)
-        self.views.setTabVisible(self.views.indexOf(self.control), bool(control))
+        self.control.show_result(result)
         self._show_histogram(adjustment)
         self._trace = list(adjustment.iterations)
         self._show_trace()
         self._photo_shown = ""
         self.show_photo(self.session.photo)
+
+    @property
+    def keeps_views(self) -> bool:
+        """Control points can be measured before there is a result."""
+        return self.session.project is not None
+
+    def set_level(self, level: Level) -> None:
+        """Show what belongs to a level."""
+        super().set_level(level)
+        if self._made:
+            self.control.set_level(level)
 
     def show_partial(self, key: str, values: list[Any]) -> None:
         """Let the block grow and the cost fall while it runs."""
@@ -116,6 +127,7 @@ class AdjustmentTab(StageTab):
 
     def show_photo(self, index: int) -> None:
         """Select the camera of a photo and show its residuals."""
+        self.control.show_photo(index)
         self._select_camera(index)
         if self.result is not None and index < len(self.result.adjustment.block.names):
             self.photos.select_rows([index])

@@ -62,7 +62,7 @@ class PreprocessingTab(StageTab):
         session.run_changed.connect(self._later.start)
 
     @property
-    def keeps_views(self) -> bool:  # type: ignore[override]
+    def keeps_views(self) -> bool:
         """A photo is enough to show something."""
         return self.session.project is not None
 

@@ -142,8 +142,10 @@ class StageTab(QWidget):
         if self.result is not None:
             self.show_result(self.result)
 
-    keeps_views = False
-    """True where the views show something without a result, such as a preview."""
+    @property
+    def keeps_views(self) -> bool:
+        """Whether the views show something without a result, such as a preview."""
+        return False
 
     def need_views(self) -> None:
         """Make the views if that has not happened, and show them."""

@@ -139,3 +139,56 @@ def _sigma(block: Block, photos: list[int], xyz: Array, step: float = 1e-6) -> A
         jacobian = np.column_stack(columns)
         normal += jacobian.T @ jacobian
     return np.sqrt(np.diag(np.linalg.inv(normal)))
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Where a point is expected in a photo.
+
+    Attributes
+    ----------
+    xy : float64 (2,) or None
+        px; None where only lines, or nothing, can be said.
+    source : {"rays", "coordinates", "lines", ""}
+        Two rays or more of other photos, its known coordinates, epipolar lines of other photos, or nothing.
+    lines : tuple of float64 (n, 2)
+        Epipolar lines, px.
+    inside : bool
+        Whether the place, or a part of a line, lies in the format.
+    """
+
+    xy: Array | None
+    source: str
+    lines: tuple[Array, ...] = ()
+    inside: bool = False
+
+
+def predict(block: Block, measured: Mapping[int, Array], photo: int, xyz: Array | None = None) -> Prediction:
+    """Predict a point in a photo from its measurements in the others.
+
+    Parameters
+    ----------
+    block : Block
+    measured : mapping of int to float64 (2,)
+        Measured place by photo, px; that in `photo` itself is not used.
+    photo : int
+    xyz : float64 (3,) or None
+        Known coordinates in the frame of the block; used before two rays meet.
+    """
+    if not block.oriented[photo]:
+        return Prediction(None, "")
+    others = {p: xy for p, xy in measured.items() if p != photo and block.oriented[p]}
+    meeting = intersect(block, others).xyz
+    if meeting is not None:
+        return _at(block, photo, meeting, "rays")
+    if xyz is not None and np.isfinite(xyz).all():
+        return _at(block, photo, xyz, "coordinates")
+    lines = tuple(line for p, xy in others.items() if len(line := epipolar(block, p, xy, photo)) > 1)
+    return Prediction(None, "lines" if lines else "", lines, bool(lines))
+
+
+def _at(block: Block, photo: int, xyz: Array, source: str) -> Prediction:
+    xy = project(block, photo, xyz)
+    if not np.isfinite(xy).all():
+        return Prediction(None, source)
+    return Prediction(xy, source, (), inside(block, photo, xy))

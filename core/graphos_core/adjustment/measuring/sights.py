@@ -1,0 +1,108 @@
+"""Where one control point stands in every photo of a project: measured, predicted, on a line, or out of sight."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from graphos_core.adjustment.measuring.prediction import Intersection, Prediction, intersect, predict
+from graphos_core.data import Array, Block, Georeference
+from graphos_core.exchange.control_sheet import ControlSheet, Mark
+
+State = Literal["measured", "predicted", "line", "out of sight", "not oriented", "nothing known"]
+PLACED_WITHOUT_COORDINATES = ("none", "known distance")
+"""Ways of placing a block after which its frame is not that of the control points."""
+
+
+@dataclass(frozen=True)
+class Sight:
+    """A point in one photo.
+
+    Attributes
+    ----------
+    photo : str
+    state : str
+    mark : Mark or None
+        The measurement.
+    prediction : Prediction or None
+        From the other photos; None without an oriented block.
+    residual : float64 (2,) or None
+        Projected − measured of the point intersected by all its rays, px.
+    """
+
+    photo: str
+    state: State
+    mark: Mark | None
+    prediction: Prediction | None
+    residual: Array | None
+
+
+def sights(
+    sheet: ControlSheet, name: str, photos: Sequence[str], block: Block | None, xyz: Array | None = None
+) -> tuple[Intersection | None, list[Sight]]:
+    """Return the intersection of a point's rays, and the point in every photo.
+
+    Parameters
+    ----------
+    sheet : ControlSheet
+    name : str
+        Point.
+    photos : sequence of str
+        All photos of the project.
+    block : Block or None
+        Oriented block, where there is one; photos are found by their names.
+    xyz : float64 (3,) or None
+        Known coordinates in the frame of the block.
+    """
+    marks = sheet.marks_of(name)
+    if block is None:
+        return None, [
+            Sight(p, "measured" if p in marks else "nothing known", marks.get(p), None, None) for p in photos
+        ]
+    index = {photo: i for i, photo in enumerate(block.names)}
+    measured = {index[photo]: mark.xy for photo, mark in marks.items() if photo in index}
+    meeting = intersect(block, measured)
+    found = []
+    for photo in photos:
+        place = index.get(photo, -1)
+        prediction = predict(block, measured, place, xyz) if place >= 0 else None
+        mark = marks.get(photo)
+        residual = meeting.residuals.get(place)
+        oriented = place >= 0 and bool(block.oriented[place])
+        found.append(Sight(photo, _state(mark, oriented, prediction), mark, prediction, residual))
+    return meeting, found
+
+
+def known_place(sheet: ControlSheet, name: str, block: Block, georeference: Georeference) -> Array | None:
+    """Return the coordinates of a point in the frame of the block, m; None where that frame is another one."""
+    row = sheet.index(name)
+    if row < 0 or block.unit != "m" or georeference.method in PLACED_WITHOUT_COORDINATES:
+        return None
+    xyz = np.array(sheet.points[row].xyz) - np.asarray(georeference.origin)
+    return xyz if np.isfinite(xyz).all() else None
+
+
+def image_rms(sheet: ControlSheet, block: Block) -> Mapping[str, float]:
+    """Return the RMS of the image residuals per coordinate of every point that two rays or more intersect, px."""
+    index = {photo: i for i, photo in enumerate(block.names)}
+    by_point: dict[str, dict[int, Array]] = {}
+    for (name, photo), mark in sheet.marks.items():
+        if photo in index:
+            by_point.setdefault(name, {})[index[photo]] = mark.xy
+    found = {name: intersect(block, measured).rms_px for name, measured in by_point.items()}
+    return {name: rms for name, rms in found.items() if np.isfinite(rms)}
+
+
+def _state(mark: Mark | None, oriented: bool, prediction: Prediction | None) -> State:
+    if mark is not None:
+        return "measured"
+    if not oriented or prediction is None:
+        return "not oriented"
+    if not prediction.source:
+        return "nothing known"
+    if not prediction.inside:
+        return "out of sight"
+    return "line" if prediction.source == "lines" else "predicted"

@@ -1,0 +1,203 @@
+"""The one place that holds the control points while they are edited: undo, saving, and telling the session."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from PySide6.QtCore import QObject, QTimer, Signal
+from PySide6.QtGui import QUndoCommand, QUndoStack
+
+from graphos_core.errors import GraphosError
+from graphos_core.exchange.control_sheet import ControlSheet
+from graphos_core.run import Run
+from graphos_core.text import Text
+from graphos_py.jobs import Job
+from graphos_py.session import Session
+from graphos_py.translation import tr
+
+SAVE_MS = 600
+"""Edits that follow each other faster than this are written together."""
+
+
+class SheetEdit(QUndoCommand):
+    """From one sheet to the next; edits with the same `merge` key that follow each other become one."""
+
+    def __init__(
+        self, desk: ControlDesk, after: ControlSheet, text: str, merge: tuple[str, ...] = ()
+    ) -> None:
+        super().__init__(text)
+        self._desk, self._before, self._after, self._merge = desk, desk.sheet, after, merge
+
+    def id(self) -> int:
+        """Return whether it can be joined with another edit."""
+        return 1 if self._merge else -1
+
+    def mergeWith(self, other: QUndoCommand) -> bool:
+        """Join with a later edit of the same thing."""
+        if not isinstance(other, SheetEdit) or other._merge != self._merge:
+            return False
+        self._after = other._after
+        return True
+
+    def redo(self) -> None:
+        """Show the sheet after the edit."""
+        self._desk.put(self._after)
+
+    def undo(self) -> None:
+        """Show the sheet before the edit."""
+        self._desk.put(self._before)
+
+
+class ControlDesk(QObject):
+    """The control points of the open project.
+
+    Signals
+    -------
+    changed()
+        The sheet is another one.
+    point_chosen(name)
+        Another point was chosen; empty for none.
+    """
+
+    changed = Signal()
+    point_chosen = Signal(str)
+
+    def __init__(self, session: Session, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self.session = session
+        self.sheet = ControlSheet()
+        self.problem: GraphosError | None = None
+        self.point = ""
+        self.undo = QUndoStack(self)
+        self._folder: Path | None = None
+        self._digests: list[Any] = []
+        self._original: tuple[ControlSheet, dict[str, bytes]] = (ControlSheet(), {})
+        self._saving = QTimer(self, singleShot=True, interval=SAVE_MS)
+        self._saving.timeout.connect(self.save)
+        self._kept = False
+        session.project_changed.connect(self.load)
+        session.run_changed.connect(self._run_changed)
+
+    # -------------------------------------------------------------------------------------------------- sheets
+
+    def load(self) -> None:
+        """Read the control points of the project, unless the files are those written here."""
+        project = self.session.project
+        if project is None:
+            return
+        digests = _digests(project)
+        if project.folder == self._folder and digests == self._digests:
+            return
+        self._saving.stop()
+        if project.folder != self._folder:
+            self._kept = False
+        self._folder, self._digests, self.problem = project.folder, digests, None
+        try:
+            self.sheet = ControlSheet.from_known(*project.control())
+        except GraphosError as problem:
+            self.sheet, self.problem = ControlSheet(), problem
+        self._original = (self.sheet, _files(project.folder))
+        self.undo.clear()
+        self.choose(self.point if self.sheet.index(self.point) >= 0 else "")
+        self.changed.emit()
+
+    def edit(self, after: ControlSheet, text: str, merge: tuple[str, ...] = ()) -> None:
+        """Go to another sheet, in a way that can be undone; `text` says what was done."""
+        if after != self.sheet and self.session.project is not None:
+            self.undo.push(SheetEdit(self, after, tr(text), merge))
+
+    def put(self, sheet: ControlSheet) -> None:
+        """Show a sheet and save it soon; called by the undo stack."""
+        self.sheet = sheet
+        self._saving.start()
+        if self.point and sheet.index(self.point) < 0:
+            self.choose("")
+        self.changed.emit()
+
+    def choose(self, name: str) -> None:
+        """Choose the point that is measured."""
+        if name != self.point:
+            self.point = name
+            self.point_chosen.emit(name)
+
+    # -------------------------------------------------------------------------------------------------- saving
+
+    @property
+    def unsaved(self) -> bool:
+        """Whether an edit waits to be written."""
+        return self._saving.isActive()
+
+    def save(self) -> None:
+        """Write the files in the background; not while a step runs, which reads them."""
+        project, sheet = self.session.project, self.sheet
+        if project is None or project.folder != self._folder:
+            return
+        if self.session.running is not None:
+            self._saving.start()
+            return
+        self._saving.stop()
+        original, files = self._original
+        work = (
+            _restore(project, files)
+            if sheet == original and files
+            else _write(project, sheet, not self._kept)
+        )
+        self._kept = True
+        job = Job(work, name="control", engine=False)
+        job.succeeded.connect(self._saved)
+        job.failed.connect(self.session.tell)
+        self.session.jobs.start(job)
+
+    def _saved(self, project: Any) -> None:
+        if self.session.project is not None and project.folder == self.session.project.folder:
+            self._digests = _digests(project)
+            self.session.known_changed(project)
+
+    def _run_changed(self) -> None:
+        if self.session.running is None and self.unsaved:
+            self.save()
+
+
+def _digests(project: Any) -> list[Any]:
+    from graphos_core.steps import file_digest
+
+    return [
+        project.settings.control,
+        *([p.name, file_digest(p)] for p in sorted(project.folder.glob("control*"))),
+    ]
+
+
+def _files(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.glob("control*") if path.is_file()}
+
+
+def _write(project: Any, sheet: ControlSheet, keep: bool) -> Callable[[Run], Any]:
+    """Return work that writes a sheet; `keep` keeps the files as they were before the first edit."""
+
+    def work(run: Run) -> Any:
+        from graphos_core.exchange.control_writing import POINTS, keep_version, write_sheet
+
+        kept = keep_version(project.folder) if keep else None
+        write_sheet(project.folder, sheet)
+        if kept is not None:
+            run.say(
+                Text("The control points as they were are kept in {folder}.", folder=f"earlier/{kept.name}")
+            )
+        return project if project.settings.control == POINTS else project.with_control(POINTS)
+
+    return work
+
+
+def _restore(project: Any, files: dict[str, bytes]) -> Callable[[Run], Any]:
+    """Return work that writes the files as they were read, so that results of then are those of now."""
+
+    def work(run: Run) -> Any:
+        from graphos_core.store import write_bytes
+
+        for name, content in files.items():
+            write_bytes(project.folder / name, content)
+        return project
+
+    return work

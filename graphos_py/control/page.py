@@ -1,0 +1,193 @@
+"""The Control page: table on top, photo below, and beside it the photos of the chosen point and the distances."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from PySide6.QtCore import QSignalBlocker, Qt
+from PySide6.QtGui import QShowEvent
+from PySide6.QtWidgets import QLabel, QSplitter, QVBoxLayout, QWidget
+
+from graphos_core.adjustment.measuring.object_residuals import object_residuals
+from graphos_core.adjustment.measuring.prediction import Intersection
+from graphos_core.adjustment.measuring.sights import Sight, image_rms, known_place, sights
+from graphos_core.data import Block
+from graphos_core.number_format import format_value
+from graphos_core.params import Level
+from graphos_py.control.desk import ControlDesk
+from graphos_py.control.measuring import MeasuringView, next_photo
+from graphos_py.control.table import ControlTable
+from graphos_py.session import Session
+from graphos_py.theme import theme
+from graphos_py.translation import tr
+from graphos_py.views.table_view import Column, TableView
+
+STATE_LABELS = {
+    "measured": "measured", "predicted": "expected", "line": "on a line", "out of sight": "out of sight",
+    "not oriented": "not oriented", "nothing known": "–",
+}  # fmt: skip
+
+
+class ControlPage(QWidget):
+    """Table of control points and measuring in the photos."""
+
+    def __init__(self, session: Session, level: Level = "student") -> None:
+        super().__init__()
+        self.session = session
+        self.desk = ControlDesk(session, self)
+        self.result: Any = None
+        self._sights: list[Sight] = []
+        self.table = ControlTable(self.desk, level)
+        self.measuring = MeasuringView(self.desk)
+        self.photos = TableView()
+        self.photos.set_empty_text(tr("Photos of the chosen point"), tr("Choose a point above."))
+        self.point_text = QLabel()
+        self.point_text.setWordWrap(True)
+        self.point_text.setContentsMargins(8, 6, 8, 0)
+        side = QWidget()
+        column = QVBoxLayout(side)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(4)
+        column.addWidget(self.point_text)
+        column.addWidget(self.photos, 1)
+        lower = QSplitter(Qt.Orientation.Horizontal)
+        lower.addWidget(self.measuring)
+        lower.addWidget(side)
+        lower.setStretchFactor(0, 3)
+        lower.setStretchFactor(1, 1)
+        lower.setSizes([theme().px(560), theme().px(260)])
+        whole = QSplitter(Qt.Orientation.Vertical)
+        whole.addWidget(self.table)
+        whole.addWidget(lower)
+        whole.setSizes([theme().px(210), theme().px(420)])
+        whole.setChildrenCollapsible(False)
+        box = QVBoxLayout(self)
+        box.setContentsMargins(0, 0, 0, 0)
+        box.addWidget(whole)
+        self.desk.changed.connect(self.refresh)
+        self.desk.point_chosen.connect(self.refresh)
+        self.photos.row_selected.connect(self._photo_row)
+        self.measuring.photo_wanted.connect(self._step)
+        self.desk.load()
+
+    # ------------------------------------------------------------------------------------------------ public
+
+    def set_level(self, level: Level) -> None:
+        """Show the columns of a level."""
+        self.table.set_level(level)
+
+    def show_result(self, result: Any) -> None:
+        """Take the result of the adjustment: it predicts places and gives the residuals; None for none."""
+        self.result = result
+        self.refresh()
+
+    def show_photo(self, index: int) -> None:
+        """Show another photo."""
+        photos = self._photos()
+        if 0 <= index < len(photos) and self.isVisible():
+            self.measuring.show_photo(photos[index])
+            self._show_sights()
+
+    def refresh(self) -> None:
+        """Bring table, list and photo up to date; when seen."""
+        if not self.isVisible():
+            return
+        block = self.block
+        if block is not None:
+            residuals = object_residuals(self.result.adjustment, self.result.georeference)
+            self.table.model.set_residuals(residuals, image_rms(self.desk.sheet, block))
+        else:
+            self.table.model.set_residuals({}, {})
+        self._show_sights()
+
+    @property
+    def block(self) -> Block | None:
+        """The oriented block, if there is one."""
+        return None if self.result is None else self.result.adjustment.block
+
+    # --------------------------------------------------------------------------------------------- reacting
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Catch up with what happened while hidden."""
+        super().showEvent(event)
+        self.refresh()
+        self.show_photo(self.session.photo)
+
+    def _photos(self) -> Any:
+        return self.session.project.photo_set.photos if self.session.project is not None else ()
+
+    def _show_sights(self) -> None:
+        """Show the chosen point in all photos, and in the present one."""
+        names = [photo.name for photo in self._photos()]
+        name, block = self.desk.point, self.block
+        meeting: Intersection | None = None
+        self._sights = []
+        if name:
+            known = None
+            if block is not None:
+                known = known_place(self.desk.sheet, name, block, self.result.georeference)
+            meeting, self._sights = sights(self.desk.sheet, name, names, block, known)
+        with QSignalBlocker(self.photos):
+            self.photos.set_table(sight_columns(self._sights))
+            if self.measuring.photo in names and self._sights:
+                self.photos.select_rows([names.index(self.measuring.photo)])
+        here = next((s for s in self._sights if s.photo == self.measuring.photo), None)
+        self.measuring.show_sight(here)
+        self.point_text.setText(point_sentence(name, meeting, block))
+
+    def _photo_row(self, row: int) -> None:
+        if 0 <= row < len(self._sights) and self._sights[row].photo != self.measuring.photo:
+            self._go(self._sights[row].photo)
+
+    def _step(self, step: int) -> None:
+        order = self._sights or [Sight(p.name, "nothing known", None, None, None) for p in self._photos()]
+        self._go(next_photo(order, self.measuring.photo, step))
+
+    def _go(self, name: str) -> None:
+        names = [photo.name for photo in self._photos()]
+        if name in names:
+            index = names.index(name)
+            self.session.select_photo(index)
+            if self.measuring.photo != name:
+                self.show_photo(index)
+
+
+def sight_columns(found: list[Sight]) -> list[Column]:
+    """Return one row per photo: what is known of the point there, and its residual."""
+    if not found:
+        return []
+    nan = float("nan")
+    lengths = [nan if s.residual is None else float(np.hypot(*s.residual)) for s in found]
+    return [
+        Column(tr("photo"), [s.photo for s in found]),
+        Column("v", lengths, "px", decimals=2, help=tr("Length of the image residual, at once.")),
+        Column(tr("point"), [tr(STATE_LABELS[s.state]) for s in found]),
+        Column("vx", [nan if s.residual is None else float(s.residual[0]) for s in found], "px", decimals=2),
+        Column("vy", [nan if s.residual is None else float(s.residual[1]) for s in found], "px", decimals=2),
+        Column("σ", [nan if s.mark is None else s.mark.sigma_px for s in found], "px", decimals=2),
+    ]
+
+
+def point_sentence(name: str, meeting: Intersection | None, block: Block | None) -> str:
+    """Say how well the rays of the chosen point meet."""
+    if not name:
+        return tr("No point is chosen.")
+    if block is None:
+        return tr("{point}: run the adjustment, then its place is predicted in every photo.", point=name)
+    if meeting is None or meeting.xyz is None:
+        return tr("{point}: two rays that meet predict it in every photo.", point=name)
+    assert meeting.sigma is not None
+    angle = format_value(float(np.degrees(meeting.angle)), unit="°", digits=2)
+    rms = format_value(meeting.rms_px, unit="px", digits=2)
+    spread = _length(float(meeting.sigma.max()), block.unit)
+    return tr("{point}: {n} rays, RMS {rms}, angle {angle}; 1 px moves it by up to {spread}.", point=name,
+              n=len(meeting.residuals), rms=rms, angle=angle, spread=spread)  # fmt: skip
+
+
+def _length(value: float, unit: str) -> str:
+    return (
+        format_value(1000 * value, unit="mm", digits=2)
+        if unit == "m"
+        else format_value(value, unit=tr(unit), digits=2)
+    )

@@ -1,0 +1,190 @@
+"""The control page: typing, pasting, undo, files, measuring with snap and keys, predicted places, the preview dialog."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from PySide6.QtCore import QEvent, Qt
+from PySide6.QtGui import QKeyEvent
+
+from graphos_core.adjustment.measuring.prediction import Prediction
+from graphos_core.adjustment.measuring.sights import Sight
+from graphos_core.exchange.control import read_control
+from graphos_core.exchange.control_sheet import ControlSheet, Mark, SheetPoint
+from graphos_core.project import Project
+from graphos_py.control.import_dialog import ImportDialog
+from graphos_py.control.measuring import next_photo
+from graphos_py.control.page import ControlPage
+from graphos_py.control.table_model import COLUMNS
+from graphos_py.loading import load_engine
+from graphos_py.session import Session
+
+KEYS = [column.key for column in COLUMNS]
+TARGET = (80.3, 60.6)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A project of two photos with one white disc each."""
+    photos = tmp_path / "photos"
+    photos.mkdir()
+    y, x = np.mgrid[0:1200, 0:1600] / 10 - 0.45
+    disc = 40.0 + 180.0 * (np.hypot(x - TARGET[0], y - TARGET[1]) < 5)
+    image = cv2.GaussianBlur(cv2.resize(disc, (160, 120), interpolation=cv2.INTER_AREA), (0, 0), 0.8)
+    for name in ("a.png", "b.png"):
+        image[0, 0] += 1  # two photos with the same content would count as one
+        cv2.imwrite(str(photos / name), image.astype(np.uint8))
+    return Project.create(tmp_path / "project", photos).folder
+
+
+@pytest.fixture
+def page(qtbot, jobs, folder: Path) -> ControlPage:
+    load_engine()
+    session = Session(jobs)
+    session.engine_ready()
+    with qtbot.waitSignal(session.project_changed, timeout=10000):
+        session.open(folder)
+    made = ControlPage(session, "expert")
+    qtbot.addWidget(made)
+    made.resize(1000, 800)
+    made.show()
+    qtbot.waitUntil(lambda: made.measuring.canvas.array is not None, timeout=5000)
+    return made
+
+
+def type_into(page: ControlPage, row: int, key: str, text: str) -> bool:
+    model = page.table.model
+    return model.setData(model.index(row, KEYS.index(key)), text)
+
+
+def press(page: ControlPage, key: Qt.Key, modifiers=Qt.KeyboardModifier.NoModifier) -> None:
+    event = QKeyEvent(QEvent.Type.KeyPress, key, modifiers)
+    page.measuring.eventFilter(page.measuring.canvas, event)
+
+
+def test_typing_is_checked_saved_and_undone(qtbot, page: ControlPage, folder: Path) -> None:
+    page.table.add()
+    page.table.add()
+    assert [p.name for p in page.desk.sheet.points] == ["P1", "P2"] and page.desk.point == "P2"
+    for key, text in (("x0", "1,5"), ("x1", "-2"), ("x2", "3"), ("role", "check"), ("s0", "4")):
+        assert type_into(page, 0, key, text)
+    assert not type_into(page, 0, "x0", "much") and "number" in page.table.problem.text()
+    assert not type_into(page, 1, "name", "P1") and "name" in page.table.problem.text()
+    assert not type_into(page, 0, "s1", "-1")
+    assert page.desk.sheet.points[0] == SheetPoint(
+        "P1", (1.5, -2.0, 3.0), (0.004, *page.desk.sheet.points[0].sigma[1:]), "check"
+    )
+    page.desk.undo.undo()
+    assert np.isnan(page.desk.sheet.points[0].sigma[0])
+    page.desk.save()
+    qtbot.waitUntil(
+        lambda: (folder / "control.csv").is_file() and page.session.project.settings.control != ""
+    )
+    control, _ = read_control(folder / "control.csv")
+    assert control is not None and control.names == ("P1",) and bool(control.check[0])
+    assert Project.open(folder).settings.control == "control.csv"
+
+
+def test_going_back_to_what_was_there_restores_the_files(qtbot, page: ControlPage, folder: Path) -> None:
+    (folder / "control.csv").write_text("name,x,y,z,role\nA,1,2,3,control\n", "utf-8")
+    before = (folder / "control.csv").read_bytes()
+    page.session.project = page.session.project.with_control("control.csv")
+    page.desk.load()
+    key = page.session.project.control()[0].names
+    page.table.take_text("B\t4\t5\t6")
+    page.desk.save()
+    qtbot.waitUntil(lambda: b"B,4" in (folder / "control.csv").read_bytes())
+    assert (folder / "earlier" / "0001" / "control.csv").read_bytes() == before
+    page.desk.undo.undo()
+    page.desk.save()
+    qtbot.waitUntil(lambda: (folder / "control.csv").read_bytes() == before)
+    assert page.session.project.control()[0].names == key
+
+
+def test_pasting_names_the_bad_line_and_takes_the_rest(page: ControlPage) -> None:
+    page.table.take_text("A\t1\t2\t3\nB\t1\ttwo\t3\nC\t4\t5\t6")
+    assert [p.name for p in page.desk.sheet.points] == ["A", "C"]
+    assert "Line 2" in page.table.problem.text() and "two" in page.table.problem.text()
+    page.table.take_text("hello")
+    assert len(page.desk.sheet.points) == 2 and page.table.problem.text()
+
+
+def test_a_click_snaps_and_keys_move_the_mark(page: ControlPage) -> None:
+    page.measuring.measure(79, 62)
+    assert not page.desk.sheet.marks, "no point is chosen"
+    page.table.add()
+    page.measuring.snapping.setCurrentIndex(page.measuring.snapping.findData("circle"))
+    page.measuring.measure(79, 62)
+    mark = page.desk.sheet.marks["P1", "a.png"]
+    assert np.allclose(mark.xy, TARGET, atol=0.05) and mark.sigma_px == 0.05
+    press(page, Qt.Key.Key_Right)
+    press(page, Qt.Key.Key_Right)
+    press(page, Qt.Key.Key_Up, Qt.KeyboardModifier.ShiftModifier)
+    assert np.allclose(page.desk.sheet.marks["P1", "a.png"].xy, mark.xy + np.array([0.2, -1.0]))
+    page.desk.undo.undo()  # nudges that follow each other are one edit
+    assert page.desk.sheet.marks["P1", "a.png"] == mark
+    page.measuring.measure(20, 20)
+    assert page.desk.sheet.marks["P1", "a.png"] == mark and "no circular target" in page.measuring.said.text()
+    press(page, Qt.Key.Key_Delete)
+    assert not page.desk.sheet.marks
+
+
+def test_page_down_goes_to_the_next_photo(qtbot, page: ControlPage) -> None:
+    page.table.add()
+    assert page.measuring.photo == "a.png"
+    press(page, Qt.Key.Key_PageDown)
+    qtbot.waitUntil(lambda: page.measuring.photo == "b.png")
+    assert page.session.photo == 1
+
+
+def test_next_photo_leaves_out_those_without_the_point() -> None:
+    def sight(photo: str, state: str) -> Sight:
+        return Sight(photo, state, None, Prediction(None, ""), None)  # type: ignore[arg-type]
+
+    found = [
+        sight("a", "measured"),
+        sight("b", "out of sight"),
+        sight("c", "predicted"),
+        sight("d", "not oriented"),
+    ]
+    assert (
+        next_photo(found, "a", 1) == "c"
+        and next_photo(found, "c", 1) == "a"
+        and next_photo(found, "a", -1) == "c"
+    )
+    assert next_photo(found[1:2], "b", 1) == "b" and next_photo([], "x", 1) == "x"
+
+
+def test_removing_points_takes_their_measurements_and_comes_back(page: ControlPage) -> None:
+    sheet = ControlSheet(
+        (SheetPoint("A"), SheetPoint("B")), {("A", "a.png"): Mark(1, 2), ("B", "a.png"): Mark(3, 4)}
+    )
+    page.desk.edit(sheet, "test")
+    page.table.table.selectRow(0)
+    page.table.remove()
+    assert set(page.desk.sheet.marks) == {("B", "a.png")}
+    page.desk.undo.undo()
+    assert page.desk.sheet == sheet
+
+
+def test_the_preview_shows_how_a_file_is_understood(qtbot, tmp_path: Path) -> None:
+    path = tmp_path / "points.txt"
+    path.write_text(
+        "Nr;Hochwert;Rechtswert;Hoehe\n1;5812345,6;500123,4;101,2\n2;5812346,0;x;101,0\n", "utf-8"
+    )
+    dialog = ImportDialog(path)
+    qtbot.addWidget(dialog)
+    assert dialog.format.decimal == "," and [p.name for p in dialog.points()] == ["1"]
+    assert "Line 3" in dialog.verdict.text()
+    dialog.columns[1].setCurrentIndex(dialog.columns[1].findData("y"))
+    dialog.columns[1].activated.emit(0)
+    dialog.columns[2].setCurrentIndex(dialog.columns[2].findData("x"))
+    dialog.columns[2].activated.emit(0)
+    assert dialog.points()[0].xyz == (500123.4, 5812345.6, 101.2)
+    dialog.epsg.setText("25832")
+    assert dialog.crs() == "EPSG:25832" and dialog.take.isEnabled()
+    dialog.epsg.setText("UTM")
+    assert not dialog.take.isEnabled()
