@@ -39,10 +39,10 @@ from graphos_didactic.simulators.features.epipolar_model import (
     WIDTH,
     EpipolarParams,
     TwoCameras,
-    edge_points,
 )
 from graphos_didactic.simulators.features.epipolar_space import space_marks
 from graphos_didactic.simulators.features.epipolar_tasks import PREDICTION, epipolar_task
+from graphos_didactic.simulators.format_edges import line_in_format
 from graphos_didactic.simulators.pictured_plane import Plane, photo_or_simulated, photograph
 
 WALL_WIDTH = 10.0
@@ -185,7 +185,7 @@ def _images(both: TwoCameras) -> list[AnyMark]:
 def _line(both: TwoCameras) -> list[AnyMark]:
     if both.line is None:
         return [_no_line(both)]
-    ends = edge_points(both.line)
+    ends = line_in_format(both.line, both.camera)
     if ends is None:
         return [Words(panel="photo_b", role="error", at=(WIDTH / 2, 60.0), anchor="centre", answer=True,
                       text="the line passes outside photo B")]  # fmt: skip
@@ -230,7 +230,7 @@ def _plane(both: TwoCameras) -> list[AnyMark]:
     ]
     back = None
     if both.line is not None and np.isfinite(both.pixels[1]).all():
-        back = edge_points(epipolar_lines(both.fundamental, both.pixels[1:], into_a=True)[0])
+        back = line_in_format(epipolar_lines(both.fundamental, both.pixels[1:], into_a=True)[0], both.camera)
     if back is not None:
         marks.append(Line(panel="photo_a", thing="plane", role="third", xy=back, dash="dashdot", width=2.0))
     return marks
@@ -240,7 +240,7 @@ def _pencil(both: TwoCameras) -> list[AnyMark]:
     marks: list[AnyMark] = []
     for height in np.linspace(0.05, 0.95, 7) * HEIGHT:
         line = both.line_in_b(np.array([0.5 * WIDTH, height]))
-        ends = edge_points(line) if line is not None else None
+        ends = line_in_format(line, both.camera) if line is not None else None
         if ends is not None:
             marks.append(Line(panel="photo_b", thing="pencil", role="third", xy=ends, width=1.0, dash="dash",
                               answer=True))  # fmt: skip

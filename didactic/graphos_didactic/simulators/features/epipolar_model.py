@@ -27,7 +27,7 @@ from graphos_didactic.simulators.features.epipolar_params import (
     EpipolarParams,
 )
 
-__all__ = ["FAR", "HEIGHT", "NEAR", "WALL_Y", "WIDTH", "EpipolarParams", "TwoCameras", "edge_points"]
+__all__ = ["FAR", "HEIGHT", "NEAR", "WALL_Y", "WIDTH", "EpipolarParams", "TwoCameras"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,18 +137,3 @@ class TwoCameras:
         """Return the point, float64 (3,), at a depth in camera A on the ray of a pixel of photo A."""
         ray = ray_from_pixel(self.camera, np.asarray(xy, dtype=np.float64).reshape(1, 2))[0]
         return self.centres[0] + depth * ray @ self.rotations[0]
-
-
-def edge_points(line: Array, reach: float = 0.0) -> Array | None:
-    """Return the two points (2, 2) where a line ``l₀x + l₁y + l₂ = 0`` leaves the format, widened by `reach` px."""
-    left, right = -0.5 - reach, WIDTH - 0.5 + reach
-    top, bottom = -0.5 - reach, HEIGHT - 0.5 + reach
-    found = []
-    if abs(line[1]) > 1e-12:
-        found += [(x, -(line[0] * x + line[2]) / line[1]) for x in (left, right)]
-    if abs(line[0]) > 1e-12:
-        found += [(-(line[1] * y + line[2]) / line[0], y) for y in (top, bottom)]
-    inside = sorted(
-        (x, y) for x, y in found if left - 1e-6 <= x <= right + 1e-6 and top - 1e-6 <= y <= bottom + 1e-6
-    )
-    return np.array([inside[0], inside[-1]]) if len(inside) > 1 else None

@@ -14,8 +14,8 @@ from graphos_didactic.simulators.features.epipolar_model import (
     WALL_Y,
     WIDTH,
     TwoCameras,
-    edge_points,
 )
+from graphos_didactic.simulators.format_edges import line_in_format
 
 ROLES: tuple[Role, Role] = ("first", "second")
 SCREEN = 1.7
@@ -50,7 +50,7 @@ def space_marks(both: TwoCameras, last: int) -> list[AnyMark]:
     for i, name in enumerate("ab"):
         marks += _pyramid(both, i, name, seen)
     if last >= 1 and both.line is not None:
-        ends = edge_points(both.line)
+        ends = line_in_format(both.line, both.camera)
         if ends is not None:
             line = _on_screen(both, 1, ends)
             marks.append(

@@ -12,8 +12,8 @@ from graphos_didactic.simulators.features.epipolar_model import (
     WIDTH,
     EpipolarParams,
     TwoCameras,
-    edge_points,
 )
+from graphos_didactic.simulators.format_edges import line_in_format
 
 TOLERANCE_PX = 10.0
 """A guess this near to the line is right."""
@@ -108,7 +108,7 @@ def _answers(sheet: EpipolarParams) -> tuple[EpipolarParams, dict[str, EpipolarP
     if line is None or not _inside(both.pixels).all():
         return None
     right = sheet.replace(guess_x=float(both.pixels[1, 0]), guess_y=float(both.pixels[1, 1]))
-    if edge_points(line) is None or _judge(sheet, None).right:
+    if line_in_format(line, both.camera) is None or _judge(sheet, None).right:
         return None
     mistakes = {
         "Same place": sheet.replace(guess_x=float(x), guess_y=float(y)),
