@@ -3,13 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import cv2
 import numpy as np
 
 from graphos_core.data.record import Array
+from graphos_core.geometry.eight_point import decompose_essential
+from graphos_core.geometry.five_point import five_point
+from graphos_core.geometry.rays import Rays, as_rays
 from graphos_core.geometry.rotation import matrix_from_vector, skew
 from graphos_core.text import Text
+
+BATCH, BATCHES = 50, 40
+"""Samples of five tried at a time, and how many times at most."""
+
+SCORED = 500
+"""Correspondences that a sample is scored with."""
+
+CONFIDENCE = 0.9999
 
 
 @dataclass(frozen=True)
@@ -37,19 +49,52 @@ class RelativeOrientation:
         return not self.reason
 
 
-def relative_orientation(a: Array, b: Array, threshold: float, *, seed: int) -> RelativeOrientation:
+@dataclass(frozen=True)
+class RayPairs:
+    """Corresponding rays of two photos."""
+
+    a: Rays
+    b: Rays
+
+    def __getitem__(self, index: Array) -> RayPairs:
+        return RayPairs(self.a[index], self.b[index])
+
+    @cached_property
+    def tips(self) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+        """`Rays.tips` of both."""
+        return self.a.tips(), self.b.tips()
+
+    def line_gradients(self, essential: Array) -> tuple[Array, Array, Array]:
+        """Return ``y_bᵀ E y_a`` (n,) and its derivatives by the position in a and in b, (n, 2), per px."""
+        (ya, spread_a), (yb, spread_b) = self.tips
+        in_b, in_a = ya @ essential.T, yb @ essential
+        return (
+            (yb * in_b).sum(axis=1),
+            np.einsum("nk,nkj->nj", in_a, spread_a),
+            np.einsum("nk,nkj->nj", in_b, spread_b),
+        )
+
+    def sampson(self, essential: Array) -> Array:
+        """Return signed Sampson distances (n,), px."""
+        misfit, in_a, in_b = self.line_gradients(essential)
+        return np.asarray(misfit / np.sqrt(np.maximum((in_a**2).sum(axis=1) + (in_b**2).sum(axis=1), 1e-300)))
+
+
+def relative_orientation(
+    a: Rays | Array, b: Rays | Array, threshold: float, *, seed: int
+) -> RelativeOrientation:
     """Orient photo b relative to photo a.
 
-    Five-point solutions (Nistér 2004, by OpenCV) in a seeded consensus search, for flat objects also the
-    decomposition of a homography (Malis and Vargas 2007, by OpenCV); then Gauss–Newton on the Sampson distances of
-    the agreeing correspondences.
+    Five-point solutions (Nistér 2004; by OpenCV for central cameras, by `five_point` for all others) in a seeded
+    consensus search, for flat objects also the decomposition of a homography (Malis and Vargas 2007, by OpenCV);
+    then Gauss–Newton on the Sampson distances of the agreeing correspondences.
 
     Parameters
     ----------
-    a, b : float64 (n, 2)
-        Corresponding ideal image coordinates x/z, y/z.
+    a, b : Rays, or float64 (n, 2) or (n, 3)
+        Corresponding rays; ideal image coordinates x/z, y/z or directions also do.
     threshold : float
-        Largest distance from the epipolar line, in the unit of `a` (px divided by the principal distance).
+        Largest Sampson distance: px with `Rays`, else in the unit of the coordinates, or radians.
     seed : int
         Seed of the consensus search.
 
@@ -57,81 +102,165 @@ def relative_orientation(a: Array, b: Array, threshold: float, *, seed: int) -> 
     -------
     RelativeOrientation
     """
-    a, b = (np.ascontiguousarray(side, dtype=np.float64) for side in (a, b))
-    count = len(a)
+    pairs = RayPairs(as_rays(a), as_rays(b))
+    count = len(pairs.a)
     nothing = np.zeros(count, dtype=bool)
     if count < 6:
         return RelativeOrientation(
             np.eye(3), np.zeros(3), nothing, Text("only {count} corresponding points", count=count)
         )
-    best = RelativeOrientation(np.eye(3), np.zeros(3), nothing, "the rays do not agree on an orientation")
+    best = RelativeOrientation(
+        np.eye(3), np.zeros(3), nothing, Text("the rays do not agree on an orientation")
+    )
     lowest = np.inf
-    for rotation, translation in _candidates(a, b, threshold, seed):
+    for rotation, translation in _candidates(pairs, threshold, seed):
         for _ in range(3):
-            inliers = _agreeing(rotation, translation, a, b, threshold)
+            inliers = _agreeing(rotation, translation, pairs, threshold)
             if inliers.sum() < 6:
                 break
-            rotation, translation = _refine(rotation, translation, a[inliers], b[inliers])
-        inliers = _agreeing(rotation, translation, a, b, threshold)
+            rotation, translation = _refine(rotation, translation, pairs[inliers])
+        inliers = _agreeing(rotation, translation, pairs, threshold)
         agreeing, most = int(inliers.sum()), int(best.inliers.sum())
-        cost = float((sampson_distances(rotation, translation, a, b)[inliers] ** 2).sum())
+        cost = float((pairs.sampson(skew(translation) @ rotation)[inliers] ** 2).sum())
         if agreeing >= 6 and (agreeing > most or (agreeing == most and cost < lowest)):
             best, lowest = RelativeOrientation(rotation, translation, inliers), cost
     return best
 
 
-def _candidates(a: Array, b: Array, threshold: float, seed: int) -> list[tuple[Array, Array]]:
+def _candidates(pairs: RayPairs, threshold: float, seed: int) -> list[tuple[Array, Array]]:
     """Return rotations and directions of the base that may be right.
 
     One from the essential matrix; where rays also agree on a homography, those of its decomposition: on a plane
     the five points fit two orientations equally, and only the points behind a camera tell them apart.
     """
-    settings = cv2.UsacParams()
-    settings.threshold, settings.confidence, settings.maxIterations = threshold, 0.9999, 5000
-    settings.isParallel, settings.randomGeneratorState = False, seed % (2**31 - 1) + 1
-    settings.score, settings.loMethod = cv2.SCORE_METHOD_MAGSAC, cv2.LOCAL_OPTIM_INNER_LO
     found: list[tuple[Array, Array]] = []
-    try:
-        essential, _ = cv2.findEssentialMat(a, b, np.eye(3), np.eye(3), None, None, settings)
-        if essential is not None and essential.shape == (3, 3) and np.isfinite(essential).all():
-            found.append(_decompose(essential, a, b, threshold))
-    except cv2.error:
-        pass  # no five points in general position
-    settings.confidence, settings.maxIterations = 0.99, 300  # a plane is found soon or is not there
-    try:
-        homography, plane = cv2.findHomography(a, b, settings)
-    except cv2.error:
+    central = pairs.a.central and pairs.b.central
+    essential = (
+        central_essential(pairs, threshold, seed) if central else ray_essential(pairs, threshold, seed)
+    )
+    if essential is not None:
+        found.append(_in_front(decompose_essential(essential), pairs, threshold))
+    plane = (
+        _central_homography(pairs, threshold, seed) if central else _ray_homography(pairs, threshold, seed)
+    )
+    if plane is None:
         return found
-    if homography is None or plane.sum() < max(6, 0.3 * len(a)):
-        return found
-    _, rotations, translations, _ = cv2.decomposeHomographyMat(homography, np.eye(3))
+    _, rotations, translations, _ = cv2.decomposeHomographyMat(plane, np.eye(3))
     for rotation, translation in zip(rotations, translations, strict=True):
         length = float(np.linalg.norm(translation))
         if length > 1e-9 and np.isfinite(rotation).all():
             found.append((rotation, translation.ravel() / length))
-    votes = [int(_agreeing(r, t, a, b, threshold).sum()) for r, t in found]
+    votes = [int(_agreeing(r, t, pairs, threshold).sum()) for r, t in found]
     return [found[k] for k in np.argsort([-v for v in votes], kind="stable")[:3]]
 
 
-def sampson_distances(rotation: Array, translation: Array, a: Array, b: Array) -> Array:
-    """Return signed Sampson distances (n,) of corresponding ideal coordinates, first order, in their unit.
+def _usac(threshold: float, seed: int, confidence: float, samples: int) -> cv2.UsacParams:
+    settings = cv2.UsacParams()
+    settings.threshold, settings.confidence, settings.maxIterations = threshold, confidence, samples
+    settings.isParallel, settings.randomGeneratorState = False, seed % (2**31 - 1) + 1
+    settings.score, settings.loMethod = cv2.SCORE_METHOD_MAGSAC, cv2.LOCAL_OPTIM_INNER_LO
+    return settings
 
-    ``e = y_bᵀ E y_a / √(|E y_a|²₁₂ + |Eᵀ y_b|²₁₂)`` with ``E = [t]× R`` (Hartley and Zisserman 2004, equation
-    11.9).
+
+def _in_plane(pairs: RayPairs, threshold: float) -> tuple[Array, Array, float]:
+    """Return both sides in the ideal image plane and the threshold in its unit."""
+    focal = float(np.sqrt(pairs.a.frames[0, 0, 0] * pairs.b.frames[0, 0, 0]))
+    a, b = (np.ascontiguousarray(side.plane) for side in (pairs.a, pairs.b))
+    return a, b, threshold / focal
+
+
+def central_essential(pairs: RayPairs, threshold: float, seed: int) -> Array | None:
+    """Return the essential matrix (3, 3) that most rays of central cameras agree with, by OpenCV; None for none."""
+    a, b, limit = _in_plane(pairs, threshold)
+    try:
+        essential, _ = cv2.findEssentialMat(
+            a, b, np.eye(3), np.eye(3), None, None, _usac(limit, seed, CONFIDENCE, 5000)
+        )
+    except cv2.error:  # no five points in general position
+        return None
+    if essential is None or essential.shape != (3, 3) or not np.isfinite(essential).all():
+        return None
+    return np.asarray(essential)
+
+
+def _central_homography(pairs: RayPairs, threshold: float, seed: int) -> Array | None:
+    a, b, limit = _in_plane(pairs, threshold)
+    try:  # a plane is found soon or is not there
+        homography, plane = cv2.findHomography(a, b, _usac(limit, seed, 0.99, 300))
+    except cv2.error:
+        return None
+    if homography is None or plane.sum() < max(6, 0.3 * len(a)):
+        return None
+    return np.asarray(homography)
+
+
+def ray_essential(pairs: RayPairs, threshold: float, seed: int) -> Array | None:
+    """Return the essential matrix (3, 3) of norm 1 that most rays of any field angle agree with; None for none.
+
+    Samples of five in batches, scored by ``Σ min(e², threshold²)`` (Torr and Zisserman 2000), until a sample without
+    a wrong correspondence is as good as certain.
     """
-    essential = skew(translation) @ rotation
-    ya, yb = _homogeneous(a), _homogeneous(b)
-    la, lb = ya @ essential.T, yb @ essential
-    size = (la[:, :2] ** 2).sum(axis=1) + (lb[:, :2] ** 2).sum(axis=1)
-    return (yb * la).sum(axis=1) / np.sqrt(np.maximum(size, 1e-300))
+    rng = np.random.default_rng([seed, 5])
+    scored = pairs[np.sort(rng.permutation(len(pairs.a))[:SCORED])]
+    (ya, spread_a), (yb, spread_b) = scored.tips
+    best, lowest, needed = None, np.inf, BATCHES * BATCH
+    for batch in range(BATCHES):
+        pick = np.argsort(rng.random((BATCH, len(pairs.a))), axis=1)[:, :5]
+        found, _ = five_point(pairs.a.directions[pick], pairs.b.directions[pick])
+        in_b, in_a = np.einsum("kij,nj->kni", found, ya), np.einsum("kij,ni->knj", found, yb)
+        slope = (np.einsum("knj,njp->knp", in_a, spread_a) ** 2).sum(axis=2)
+        slope += (np.einsum("knj,njp->knp", in_b, spread_b) ** 2).sum(axis=2)
+        squares = np.einsum("kni,ni->kn", in_b, yb) ** 2 / np.maximum(slope, 1e-300)
+        cost = np.minimum(squares, threshold**2).sum(axis=1)
+        if len(cost) and cost.min() < lowest:
+            winner = int(np.argmin(cost))
+            best, lowest = found[winner], float(cost[winner])
+            good = float(np.clip((squares[winner] <= threshold**2).mean() ** 5, 1e-12, 1 - 1e-12))
+            needed = int(np.ceil(np.log(1.0 - CONFIDENCE) / np.log(1.0 - good)))
+        if (batch + 1) * BATCH >= needed:
+            break
+    return best
+
+
+def _ray_homography(pairs: RayPairs, threshold: float, seed: int) -> Array | None:
+    """Return the homography of rays, ``b ~ H a`` with a positive factor, where enough of them agree on one."""
+    rng = np.random.default_rng([seed, 4])
+    a, b = pairs.a.directions, pairs.b.directions
+    pick = np.argsort(rng.random((3 * BATCH, len(a))), axis=1)[:, :4]
+    cross = np.zeros((3 * BATCH, 4, 3, 3))
+    for i, (j, k) in enumerate(((1, 2), (2, 0), (0, 1))):
+        cross[:, :, i, j], cross[:, :, i, k] = -b[pick, k], b[pick, j]
+    rows = np.einsum("skij,skl->skijl", cross, a[pick]).reshape(3 * BATCH, 12, 9)
+    found = np.linalg.svd(rows)[2][:, 8].reshape(-1, 3, 3)
+    moved = np.einsum("kij,nj->kni", found, a)
+    found *= np.sign(np.median((moved * b).sum(axis=2), axis=1))[:, None, None]
+    agreeing = np.stack([_plane_distances(matrix, pairs) <= threshold for matrix in found])
+    winner = int(np.argmax(agreeing.sum(axis=1)))
+    if agreeing[winner].sum() < max(6, 0.3 * len(a)):
+        return None
+    return np.asarray(found[winner])
+
+
+def _plane_distances(homography: Array, pairs: RayPairs) -> Array:
+    """Return the distance (n,) of a ray of b from the one that the homography takes to it, px."""
+    q = np.einsum("nij,nj->ni", pairs.b.frames, pairs.a.directions @ homography.T)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(q[:, 2] > 0.0, np.hypot(q[:, 0], q[:, 1]) / np.abs(q[:, 2]), np.inf)
 
 
 def depths(rotation: Array, translation: Array, a: Array, b: Array) -> tuple[Array, Array]:
-    """Return the distances z (n,) along both rays of the nearest points, in units of the translation.
+    """Return the lengths (n,) along both rays of the nearest points, in units of the translation.
 
     Least squares of ``z_b y_b − z_a R y_a = t``; negative behind the camera, infinite for parallel rays.
+
+    Parameters
+    ----------
+    rotation, translation : float64 (3, 3), (3,)
+        ``b_from_a``.
+    a, b : float64 (n, 3), or (n, 2) for ideal image coordinates
+        Rays; lengths count in multiples of theirs, so with (x/z, y/z) they are depths z.
     """
-    p, q = _homogeneous(a) @ rotation.T, _homogeneous(b)
+    p, q = _three(a) @ rotation.T, _three(b)
     pp, qq, pq = (p * p).sum(axis=1), (q * q).sum(axis=1), (p * q).sum(axis=1)
     tp, tq = p @ translation, q @ translation
     det = pp * qq - pq * pq
@@ -139,29 +268,28 @@ def depths(rotation: Array, translation: Array, a: Array, b: Array) -> tuple[Arr
         return (pq * tq - qq * tp) / det, (pp * tq - pq * tp) / det
 
 
-def _agreeing(rotation: Array, translation: Array, a: Array, b: Array, threshold: float) -> Array:
-    za, zb = depths(rotation, translation, a, b)
-    return (np.abs(sampson_distances(rotation, translation, a, b)) <= threshold) & (za > 0) & (zb > 0)
+def _three(rays: Array) -> Array:
+    return rays if rays.shape[1] == 3 else np.column_stack([rays, np.ones(len(rays))])
 
 
-def _decompose(essential: Array, a: Array, b: Array, threshold: float) -> tuple[Array, Array]:
+def _agreeing(rotation: Array, translation: Array, pairs: RayPairs, threshold: float) -> Array:
+    za, zb = depths(rotation, translation, pairs.a.directions, pairs.b.directions)
+    return (np.abs(pairs.sampson(skew(translation) @ rotation)) <= threshold) & (za > 0) & (zb > 0)
+
+
+def _in_front(choices: list[tuple[Array, Array]], pairs: RayPairs, threshold: float) -> tuple[Array, Array]:
     """Choose the one of four decompositions that puts most agreeing points before both cameras."""
-    u, _, vt = np.linalg.svd(essential)
-    w = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    sign = np.sign(np.linalg.det(u) * np.linalg.det(vt))
-    choices = [(sign * u @ m @ vt, s * u[:, 2]) for m in (w, w.T) for s in (1.0, -1.0)]
-    votes = [int(_agreeing(r, t, a, b, threshold).sum()) for r, t in choices]
+    votes = [int(_agreeing(r, t, pairs, threshold).sum()) for r, t in choices]
     return choices[int(np.argmax(votes))]
 
 
-def _refine(rotation: Array, translation: Array, a: Array, b: Array, steps: int = 10) -> tuple[Array, Array]:
+def _refine(rotation: Array, translation: Array, pairs: RayPairs, steps: int = 10) -> tuple[Array, Array]:
     """Minimise the sum of squared Sampson distances over rotation (3) and direction (2)."""
-    ya, yb = _homogeneous(a), _homogeneous(b)
-    cost = float((sampson_distances(rotation, translation, a, b) ** 2).sum())
+    (ya, _), (yb, _) = pairs.tips
+    cost = float((pairs.sampson(skew(translation) @ rotation) ** 2).sum())
     for _ in range(steps):
-        essential = skew(translation) @ rotation
-        la, lb = ya @ essential.T, yb @ essential
-        weight = 1.0 / np.sqrt((la[:, :2] ** 2).sum(axis=1) + (lb[:, :2] ** 2).sum(axis=1))
+        _, in_a, in_b = pairs.line_gradients(skew(translation) @ rotation)
+        weight = 1.0 / np.sqrt((in_a**2).sum(axis=1) + (in_b**2).sum(axis=1))
         p = ya @ rotation.T
         normal = np.cross(p, yb)  # e = t · (R y_a × y_b)
         tangent = np.linalg.svd(translation[None])[2][1:]
@@ -170,14 +298,10 @@ def _refine(rotation: Array, translation: Array, a: Array, b: Array, steps: int 
         new_rotation = matrix_from_vector(step[:3]) @ rotation
         new_translation = translation + step[3:] @ tangent
         new_translation /= np.linalg.norm(new_translation)
-        new_cost = float((sampson_distances(new_rotation, new_translation, a, b) ** 2).sum())
+        new_cost = float((pairs.sampson(skew(new_translation) @ new_rotation) ** 2).sum())
         if not new_cost < cost:
             break
         rotation, translation, gain, cost = new_rotation, new_translation, cost - new_cost, new_cost
         if gain < 1e-10 * cost:
             break
     return rotation, translation
-
-
-def _homogeneous(xy: Array) -> Array:
-    return np.column_stack([xy, np.ones(len(xy))])

@@ -8,7 +8,20 @@ import cv2
 import numpy as np
 
 from graphos_core.data.record import Array
+from graphos_core.geometry.rays import Rays, as_rays
+from graphos_core.geometry.rotation import matrix_from_vector
+from graphos_core.geometry.three_point import three_point
 from graphos_core.text import Text
+
+BATCH, BATCHES = 50, 40
+"""Samples of three tried at a time, and how many times at most."""
+
+SCORED = 500
+"""Points that a sample is scored with."""
+
+CONFIDENCE = 0.9999
+
+DISAGREE = Text("the points do not agree on an orientation")
 
 
 @dataclass(frozen=True)
@@ -24,7 +37,7 @@ class Resection:
     inliers : bool (n,)
         Points that agree within the threshold and lie in front of the camera.
     rms : float
-        Root mean square distance (2-D) of the agreeing points, in the unit of the rays.
+        Root mean square distance (2-D) of the agreeing points, px with `Rays`.
     reason : str
         Why there is none; empty where there is.
     """
@@ -39,20 +52,20 @@ class Resection:
         return not self.reason
 
 
-def space_resection(points: Array, rays: Array, threshold: float, *, seed: int) -> Resection:
+def space_resection(points: Array, rays: Rays | Array, threshold: float, *, seed: int) -> Resection:
     """Find where a photo was taken.
 
-    Three-point solutions in a seeded consensus search (OpenCV: P3P; Grunert's problem), then Levenberg–Marquardt on the
-    distances of the agreeing points.
+    Three-point solutions in a seeded consensus search (Grunert's problem; by OpenCV for central cameras, by
+    `three_point` for all others), then Gauss–Newton on the distances of the agreeing points.
 
     Parameters
     ----------
     points : float64 (n, 3)
         Object points.
-    rays : float64 (n, 2)
-        Their ideal image coordinates x/z, y/z.
+    rays : Rays, or float64 (n, 2) or (n, 3)
+        Their rays; ideal image coordinates x/z, y/z or directions also do.
     threshold : float
-        Largest distance of an agreeing point, in the unit of the rays (px divided by the principal distance).
+        Largest distance of an agreeing point: px with `Rays`, else in the unit of the coordinates, or radians.
     seed : int
         Seed of the consensus search.
 
@@ -60,76 +73,138 @@ def space_resection(points: Array, rays: Array, threshold: float, *, seed: int) 
     -------
     Resection
     """
-    count = len(points)
+    rays, count = as_rays(rays), len(points)
+    points = np.ascontiguousarray(points, dtype=np.float64)
     if count < 4:
         return _failed(count, Text("only {count} points", count=count))
-    order = np.random.default_rng(seed).permutation(
-        count
-    )  # OpenCV's own draws are fixed: shuffle what it draws
+    search = _central_search if rays.central else _ray_search
+    found = search(points, rays, threshold, seed)
+    if found is None:
+        return _failed(count, DISAGREE)
+    return refine_resection(*found, points, rays, threshold)
+
+
+def _central_search(points: Array, rays: Rays, threshold: float, seed: int) -> tuple[Array, Array] | None:
+    order = np.random.default_rng(seed).permutation(len(points))  # OpenCV's own draws are fixed
     try:
         found, vector, translation, _ = cv2.solvePnPRansac(
-            np.ascontiguousarray(points[order], dtype=np.float64),
-            np.ascontiguousarray(rays[order], dtype=np.float64),
+            points[order],
+            np.ascontiguousarray(rays.plane[order]),
             np.eye(3),
             None,
             iterationsCount=3000,
-            reprojectionError=threshold,
-            confidence=0.9999,
+            reprojectionError=threshold / rays.frames[0, 0, 0],
+            confidence=CONFIDENCE,
             flags=cv2.SOLVEPNP_P3P,
         )
     except cv2.error:
-        found = False
-    if not found:
-        return _failed(count, "the points do not agree on an orientation")
-    return refine_resection(cv2.Rodrigues(vector)[0], translation.ravel(), points, rays, threshold)
+        return None
+    return (cv2.Rodrigues(vector)[0], translation.ravel()) if found else None
+
+
+def _ray_search(points: Array, rays: Rays, threshold: float, seed: int) -> tuple[Array, Array] | None:
+    """Try samples of three in batches, scored by ``Σ min(e², threshold²)``, until a good one is as good as certain."""
+    rng, count = np.random.default_rng([seed, 3]), len(points)
+    scored = np.sort(rng.permutation(count)[:SCORED])
+    frames, targets = rays.frames[scored], points[scored]
+    best, lowest, needed = None, np.inf, BATCH * BATCHES
+    for batch in range(BATCHES):
+        pick = np.argsort(rng.random((BATCH, count)), axis=1)[:, :3]
+        rotations, translations, _ = three_point(points[pick], rays.directions[pick])
+        seen = np.einsum("kij,nj->kni", rotations, targets) + translations[:, None]
+        q = np.einsum("nij,knj->kni", frames, seen)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            squares = (q[..., 0] ** 2 + q[..., 1] ** 2) / q[..., 2] ** 2
+        squares[~(q[..., 2] > 0.0)] = np.inf
+        cost = np.minimum(squares, threshold**2).sum(axis=1)
+        if len(cost) and cost.min() < lowest:
+            winner = int(np.argmin(cost))
+            best, lowest = (rotations[winner], translations[winner]), float(cost[winner])
+            good = float(np.clip((squares[winner] <= threshold**2).mean() ** 3, 1e-12, 1 - 1e-12))
+            needed = int(np.ceil(np.log(1.0 - CONFIDENCE) / np.log(1.0 - good)))
+        if (batch + 1) * BATCH >= needed:
+            break
+    return best
 
 
 def refine_resection(
-    rotation: Array, translation: Array, points: Array, rays: Array, threshold: float
+    rotation: Array, translation: Array, points: Array, rays: Rays | Array, threshold: float
 ) -> Resection:
     """Refine an approximate exterior orientation ``p_cam = rotation · X + translation`` with its agreeing points.
 
     Parameters and result as in `space_resection`; agreement and refinement alternate three times.
     """
-    points = np.ascontiguousarray(points, dtype=np.float64)
-    rays = np.ascontiguousarray(rays, dtype=np.float64)
+    points, rays = np.ascontiguousarray(points, dtype=np.float64), as_rays(rays)
     for _ in range(3):
         inliers = _distances(rotation, translation, points, rays) <= threshold
         if inliers.sum() < 4:
-            return _failed(len(points), "the points do not agree on an orientation")
-        vector, moved = cv2.solvePnPRefineLM(
-            points[inliers], rays[inliers], np.eye(3), None,
-            cv2.Rodrigues(rotation)[0], np.array(translation, dtype=np.float64).reshape(3, 1),
-            (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 30, 1e-14),
-        )  # fmt: skip
-        if not (np.isfinite(vector).all() and np.isfinite(moved).all()):
-            return _failed(len(points), "the points do not agree on an orientation")
-        rotation, translation = cv2.Rodrigues(vector)[0], moved.ravel()
+            return _failed(len(points), DISAGREE)
+        rotation, translation = _least_squares(rotation, translation, points[inliers], rays[inliers])
+        if not (np.isfinite(rotation).all() and np.isfinite(translation).all()):
+            return _failed(len(points), DISAGREE)
     return judge_resection(rotation, translation, points, rays, threshold)
 
 
+def _least_squares(
+    rotation: Array, translation: Array, points: Array, rays: Rays, steps: int = 10
+) -> tuple[Array, Array]:
+    """Minimise the sum of squared distances over rotation (3) and translation (3) by damped Gauss–Newton."""
+    cost, misfit, jacobian = _linearised(rotation, translation, points, rays)
+    damping = 0.0
+    for _ in range(steps):
+        normal = jacobian.T @ jacobian
+        step = np.linalg.lstsq(normal + damping * np.diag(np.diag(normal)), -jacobian.T @ misfit, rcond=None)[
+            0
+        ]
+        turn = matrix_from_vector(step[:3])
+        new_rotation, new_translation = turn @ rotation, turn @ translation + step[3:]
+        new_cost, new_misfit, new_jacobian = _linearised(new_rotation, new_translation, points, rays)
+        if not new_cost < cost:
+            if damping > 1e3 or new_cost < cost * (1 + 1e-12):
+                break
+            damping = max(1e-4, 10.0 * damping)
+            continue
+        gain, cost = cost - new_cost, new_cost
+        rotation, translation, misfit, jacobian = new_rotation, new_translation, new_misfit, new_jacobian
+        damping *= 0.1
+        if gain < 1e-12 * cost:
+            break
+    return rotation, translation
+
+
+def _linearised(rotation: Array, translation: Array, points: Array, rays: Rays) -> tuple[float, Array, Array]:
+    """Return the sum of squares (infinite behind the camera), misfits (2n,) and derivatives by turn and shift (2n, 6)."""
+    p = points @ rotation.T + translation
+    q = np.einsum("nij,nj->ni", rays.frames, p)
+    if not (q[:, 2] > 0.0).all():
+        return np.inf, np.zeros(2 * len(q)), np.zeros((2 * len(q), 6))
+    misfit = q[:, :2] / q[:, 2:]
+    by_point = (rays.frames[:, :2] - misfit[:, :, None] * rays.frames[:, 2:]) / q[:, 2, None, None]
+    by_turn = np.cross(p[:, None], by_point)  # ∂(ω × p) by ω: by_point · (ω × p) = ω · (p × by_point)
+    jacobian = np.concatenate([by_turn, by_point], axis=2).reshape(-1, 6)
+    return float((misfit**2).sum()), misfit.ravel(), jacobian
+
+
 def judge_resection(
-    rotation: Array, translation: Array, points: Array, rays: Array, threshold: float
+    rotation: Array, translation: Array, points: Array, rays: Rays | Array, threshold: float
 ) -> Resection:
     """Say which points agree with an exterior orientation ``p_cam = rotation · X + translation``, unchanged.
 
     Parameters and result as in `space_resection`.
     """
-    distances = _distances(rotation, translation, points, rays)
+    distances = _distances(rotation, translation, points, as_rays(rays))
     inliers = distances <= threshold
     if inliers.sum() < 4:
-        return _failed(len(points), "the points do not agree on an orientation")
+        return _failed(len(points), DISAGREE)
     rms = float(np.sqrt((distances[inliers] ** 2).mean()))
     return Resection(rotation, -rotation.T @ translation, inliers, rms)
 
 
-def _distances(rotation: Array, translation: Array, points: Array, rays: Array) -> Array:
-    """Distance of each projected point from its ray in the ideal image; infinite behind the camera."""
-    p = points @ rotation.T + translation
-    front = p[:, 2] > 0
-    z = np.where(front, p[:, 2], 1.0)
-    distance: Array = np.hypot(p[:, 0] / z - rays[:, 0], p[:, 1] / z - rays[:, 1])
-    return np.where(front, distance, np.inf)
+def _distances(rotation: Array, translation: Array, points: Array, rays: Rays) -> Array:
+    """Distance of each projected point from its ray in the plane of the ray; infinite behind it."""
+    q = np.einsum("nij,nj->ni", rays.frames, points @ rotation.T + translation)
+    front = q[:, 2] > 0
+    return np.where(front, np.hypot(q[:, 0], q[:, 1]) / np.where(front, q[:, 2], 1.0), np.inf)
 
 
 def _failed(count: int, reason: str) -> Resection:

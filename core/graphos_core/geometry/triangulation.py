@@ -8,6 +8,7 @@ import numpy as np
 
 from graphos_core.data.record import Array
 from graphos_core.geometry import triangulation_kernels as kernels
+from graphos_core.geometry.rays import Rays, ideal_rays
 
 
 @dataclass(frozen=True)
@@ -33,21 +34,20 @@ class Triangulation:
     used: Array
 
 
-def triangulate(
+def intersect_rays(
     start: Array,
     photo: Array,
-    rays: Array,
-    focal: Array,
+    rays: Rays,
     rotations: Array,
     centres: Array,
     *,
     threshold_px: float = np.inf,
     min_angle: float = 0.0,
 ) -> Triangulation:
-    """Intersect the rays of many points.
+    """Intersect the rays of many points, of any cameras.
 
-    The point nearest to all rays (linear, ``Σ(I − d dᵀ)(X − C) = 0``) is refined by Gauss–Newton on the distances
-    in the ideal image plane. If a ray misses the result by more than the threshold, the point that most rays agree
+    The point nearest to all rays (linear, ``Σ(I − d dᵀ)(X − C) = 0``) is refined by Gauss–Newton on the distances in
+    the planes of the rays. If a ray misses the result by more than the threshold, the point that most rays agree
     with is sought among the intersections of pairs of rays and refined with those rays (Hartley and Zisserman
     2004, sections 12.2 and 12.3).
 
@@ -57,16 +57,14 @@ def triangulate(
         Rays ``start[i]`` to ``start[i + 1]`` belong to point i.
     photo : int (m,)
         Photo of each ray.
-    rays : float64 (m, 2)
-        Ideal image coordinates x/z, y/z in the camera frame, without distortion.
-    focal : float64 (n,)
-        Principal distance of each photo, px: turns distances of rays into pixels.
+    rays : Rays
+        In the camera frames, all valid.
     rotations : float64 (n, 3, 3)
         ``cam_from_world``.
     centres : float64 (n, 3)
         Projection centres in the object frame.
     threshold_px : float
-        Largest distance of a used ray from its point in the image, px.
+        Largest distance of a used ray from its point, px.
     min_angle : float
         Smallest admissible value of the largest intersection angle, radians.
 
@@ -79,11 +77,36 @@ def triangulate(
     count = len(start) - 1
     points, angles = np.zeros((count, 3)), np.zeros(count)
     used, ok = np.zeros(len(photo), dtype=np.bool_), np.zeros(count, dtype=np.bool_)
+    world, frames = kernels.turn(photo, _float(rays.directions), _float(rays.frames), _float(rotations))
     kernels.triangulate_many(
-        start, photo, _float(rays), _float(focal), _float(rotations), _float(centres),
-        float(threshold_px) ** 2, float(min_angle), points, angles, used, ok,
+        start, photo, world, frames, _float(centres), float(threshold_px) ** 2, float(min_angle), points, angles,
+        used, ok,
     )  # fmt: skip
     return Triangulation(points, angles, ok, used)
+
+
+def triangulate(
+    start: Array,
+    photo: Array,
+    rays: Array,
+    focal: Array,
+    rotations: Array,
+    centres: Array,
+    *,
+    threshold_px: float = np.inf,
+    min_angle: float = 0.0,
+) -> Triangulation:
+    """Intersect central rays given by ideal image coordinates x/z, y/z (m, 2); see `intersect_rays`.
+
+    Parameters
+    ----------
+    focal : float64 (n,)
+        Principal distance of each photo, px: turns distances of rays into pixels.
+    """
+    return intersect_rays(
+        start, photo, ideal_rays(rays, np.asarray(focal)[photo]), rotations, centres, threshold_px=threshold_px,
+        min_angle=min_angle,
+    )  # fmt: skip
 
 
 def intersection_angles(start: Array, photo: Array, used: Array, centres: Array, points: Array) -> Array:
@@ -97,28 +120,24 @@ def intersection_angles(start: Array, photo: Array, used: Array, centres: Array,
     )
 
 
-def ray_distances_px(
-    point: Array, photo: Array, rays: Array, focal: Array, rotations: Array, centres: Array, points: Array
+def distances_px(
+    point: Array, photo: Array, rays: Rays, rotations: Array, centres: Array, points: Array
 ) -> Array:
-    """Return the distance (m,) of every ray from its point in the ideal image, px; infinite behind the camera.
+    """Return the distance (m,) of every ray from its point in the plane of the ray, px; infinite behind it.
 
     Parameters
     ----------
     point, photo : int (m,)
         Point and photo of each ray.
-    rays, focal, rotations, centres : arrays
-        As in `triangulate`.
+    rays, rotations, centres : Rays and arrays
+        As in `intersect_rays`.
     points : float64 (p, 3)
     """
+    photo = np.ascontiguousarray(photo, dtype=np.int32)
+    _, frames = kernels.turn(photo, _float(rays.directions), _float(rays.frames), _float(rotations))
     return np.sqrt(
         kernels.squared_errors(
-            np.ascontiguousarray(point, dtype=np.int64),
-            np.ascontiguousarray(photo, dtype=np.int32),
-            _float(rays),
-            _float(focal),
-            _float(rotations),
-            _float(centres),
-            _float(points),
+            np.ascontiguousarray(point, dtype=np.int64), photo, frames, _float(centres), _float(points)
         )
     )
 

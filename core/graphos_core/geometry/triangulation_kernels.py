@@ -51,21 +51,19 @@ def _nearest_to_rays(
 
 
 @njit(cache=True, nogil=True)
-def _error(
-    i: int, photo: Array, rays: Array, focal: Array, rotations: Array, centres: Array, x: Array
-) -> float:
-    """Squared distance of the projection of `x` from ray i in px; infinite behind the camera."""
+def _error(i: int, photo: Array, frames: Array, centres: Array, x: Array) -> float:
+    """Squared distance of `x` from ray i in its plane, px²; infinite behind it."""
     c = photo[i]
+    m = frames[i]
     dx = x[0] - centres[c, 0]
     dy = x[1] - centres[c, 1]
     dz = x[2] - centres[c, 2]
-    r = rotations[c]
-    z = r[2, 0] * dx + r[2, 1] * dy + r[2, 2] * dz
+    z = m[2, 0] * dx + m[2, 1] * dy + m[2, 2] * dz
     if not z > 0.0:
         return np.inf
-    u = (r[0, 0] * dx + r[0, 1] * dy + r[0, 2] * dz) / z - rays[i, 0]
-    v = (r[1, 0] * dx + r[1, 1] * dy + r[1, 2] * dz) / z - rays[i, 1]
-    return (u * u + v * v) * focal[c] * focal[c]
+    u = (m[0, 0] * dx + m[0, 1] * dy + m[0, 2] * dz) / z
+    v = (m[1, 0] * dx + m[1, 1] * dy + m[1, 2] * dz) / z
+    return u * u + v * v
 
 
 @njit(cache=True, nogil=True)
@@ -73,22 +71,20 @@ def _refine(
     use: Array,
     first: int,
     photo: Array,
-    rays: Array,
-    focal: Array,
-    rotations: Array,
+    frames: Array,
     centres: Array,
     a: Array,
     b: Array,
     x: Array,
 ) -> None:
-    """Gauss–Newton on the distances in the image plane, at most 8 steps; `x` is changed in place."""
+    """Gauss–Newton on the distances in the planes of the rays, at most 8 steps; `x` is changed in place."""
     step = np.empty(3)
     trial = np.empty(3)
     jac = np.empty((2, 3))
     cost = 0.0
     for k in range(use.shape[0]):
         if use[k]:
-            cost += _error(first + k, photo, rays, focal, rotations, centres, x)
+            cost += _error(first + k, photo, frames, centres, x)
     for _ in range(8):
         if not cost < np.inf:
             return
@@ -99,32 +95,31 @@ def _refine(
                 continue
             i = first + k
             c = photo[i]
-            r = rotations[c]
+            m = frames[i]
             px = 0.0
             py = 0.0
             z = 0.0
             for s in range(3):
                 d = x[s] - centres[c, s]
-                px += r[0, s] * d
-                py += r[1, s] * d
-                z += r[2, s] * d
-            w = focal[c] * focal[c]
+                px += m[0, s] * d
+                py += m[1, s] * d
+                z += m[2, s] * d
             u = px / z
             v = py / z
             for s in range(3):
-                jac[0, s] = (r[0, s] - u * r[2, s]) / z
-                jac[1, s] = (r[1, s] - v * r[2, s]) / z
+                jac[0, s] = (m[0, s] - u * m[2, s]) / z
+                jac[1, s] = (m[1, s] - v * m[2, s]) / z
             for p in range(3):
-                b[p] -= w * (jac[0, p] * (u - rays[i, 0]) + jac[1, p] * (v - rays[i, 1]))
+                b[p] -= jac[0, p] * u + jac[1, p] * v
                 for q in range(3):
-                    a[p, q] += w * (jac[0, p] * jac[0, q] + jac[1, p] * jac[1, q])
+                    a[p, q] += jac[0, p] * jac[0, q] + jac[1, p] * jac[1, q]
         if not _solve3(a, b, step):
             return
         trial[:] = x + step
         after = 0.0
         for k in range(use.shape[0]):
             if use[k]:
-                after += _error(first + k, photo, rays, focal, rotations, centres, trial)
+                after += _error(first + k, photo, frames, centres, trial)
         if not after < cost:
             return
         gain = cost - after
@@ -140,9 +135,7 @@ def _mark(
     first: int,
     limit: float,
     photo: Array,
-    rays: Array,
-    focal: Array,
-    rotations: Array,
+    frames: Array,
     centres: Array,
     x: Array,
 ) -> tuple[int, float]:
@@ -150,7 +143,7 @@ def _mark(
     count = 0
     cost = 0.0
     for k in range(use.shape[0]):
-        e = _error(first + k, photo, rays, focal, rotations, centres, x)
+        e = _error(first + k, photo, frames, centres, x)
         use[k] = e <= limit
         if use[k]:
             count += 1
@@ -164,10 +157,8 @@ def _best_pair(
     first: int,
     limit: float,
     photo: Array,
-    rays: Array,
+    frames: Array,
     world: Array,
-    focal: Array,
-    rotations: Array,
     centres: Array,
     a: Array,
     b: Array,
@@ -189,14 +180,14 @@ def _best_pair(
             use[k + gap] = True
             if not _nearest_to_rays(use, first, photo, world, centres, a, b, x):
                 continue
-            count, cost = _mark(use, first, limit, photo, rays, focal, rotations, centres, x)
+            count, cost = _mark(use, first, limit, photo, frames, centres, x)
             if count > best or (count == best and cost < best_cost):
                 best = count
                 best_cost = cost
                 best_x[:] = x
     x[:] = best_x
     if best >= 2:
-        _mark(use, first, limit, photo, rays, focal, rotations, centres, x)
+        _mark(use, first, limit, photo, frames, centres, x)
     return best
 
 
@@ -228,9 +219,8 @@ def largest_angle(use: Array, first: int, photo: Array, centres: Array, x: Array
 def triangulate_many(
     start: Array,
     photo: Array,
-    rays: Array,
-    focal: Array,
-    rotations: Array,
+    world: Array,
+    frames: Array,
     centres: Array,
     limit: float,
     min_angle: float,
@@ -240,13 +230,6 @@ def triangulate_many(
     ok: Array,
 ) -> None:
     """Fill `points`, `angles`, `used`, `ok`; see `graphos_core.geometry.triangulation.triangulate`."""
-    m = photo.shape[0]
-    world = np.empty((m, 3))
-    for i in range(m):
-        r = rotations[photo[i]]
-        length = np.sqrt(rays[i, 0] ** 2 + rays[i, 1] ** 2 + 1.0)
-        for s in range(3):
-            world[i, s] = (r[0, s] * rays[i, 0] + r[1, s] * rays[i, 1] + r[2, s]) / length
     a = np.empty((3, 3))
     b = np.empty(3)
     x = np.empty(3)
@@ -261,14 +244,14 @@ def triangulate_many(
             continue
         count = 0
         if _nearest_to_rays(use, first, photo, world, centres, a, b, x):
-            _refine(use, first, photo, rays, focal, rotations, centres, a, b, x)
-            count = _mark(use, first, limit, photo, rays, focal, rotations, centres, x)[0]
+            _refine(use, first, photo, frames, centres, a, b, x)
+            count = _mark(use, first, limit, photo, frames, centres, x)[0]
         if count < n and n > 2:
-            count = _best_pair(use, first, limit, photo, rays, world, focal, rotations, centres, a, b, x)
+            count = _best_pair(use, first, limit, photo, frames, world, centres, a, b, x)
             for _ in range(2):
                 if count >= 2:
-                    _refine(use, first, photo, rays, focal, rotations, centres, a, b, x)
-                    count = _mark(use, first, limit, photo, rays, focal, rotations, centres, x)[0]
+                    _refine(use, first, photo, frames, centres, a, b, x)
+                    count = _mark(use, first, limit, photo, frames, centres, x)[0]
         points[t] = x
         if count >= 2 and 2 * count > n:
             angles[t] = largest_angle(use, first, photo, centres, x)
@@ -290,11 +273,26 @@ def intersection_angles(start: Array, photo: Array, used: Array, centres: Array,
 
 
 @njit(cache=True, nogil=True)
-def squared_errors(
-    point: Array, photo: Array, rays: Array, focal: Array, rotations: Array, centres: Array, points: Array
-) -> Array:
-    """Squared distance of each observation from its projected point, px²; infinite behind the camera."""
+def squared_errors(point: Array, photo: Array, frames: Array, centres: Array, points: Array) -> Array:
+    """Squared distance of each ray from its point, px²; infinite behind it."""
     out = np.empty(photo.shape[0])
     for i in range(photo.shape[0]):
-        out[i] = _error(i, photo, rays, focal, rotations, centres, points[point[i]])
+        out[i] = _error(i, photo, frames, centres, points[point[i]])
     return out
+
+
+@njit(cache=True, nogil=True)
+def turn(photo: Array, directions: Array, frames: Array, rotations: Array) -> tuple[Array, Array]:
+    """Directions (m, 3) and frames (m, 3, 3) of rays in the object frame: ``Rᵀ d`` and ``M R``."""
+    n = photo.shape[0]
+    world = np.empty((n, 3))
+    turned = np.empty((n, 3, 3))
+    for i in range(n):
+        r = rotations[photo[i]]
+        for k in range(3):
+            world[i, k] = r[0, k] * directions[i, 0] + r[1, k] * directions[i, 1] + r[2, k] * directions[i, 2]
+            for j in range(3):
+                turned[i, j, k] = (
+                    frames[i, j, 0] * r[0, k] + frames[i, j, 1] * r[1, k] + frames[i, j, 2] * r[2, k]
+                )
+    return world, turned

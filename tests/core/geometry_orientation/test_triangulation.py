@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from graphos_core.data import Array
+from graphos_core.geometry.rays import ideal_rays
 from graphos_core.geometry.rotation import look_at
-from graphos_core.geometry.triangulation import intersection_angles, ray_distances_px, triangulate
+from graphos_core.geometry.triangulation import distances_px, intersection_angles, triangulate
 
 FOCAL = 1500.0
 
@@ -78,7 +79,7 @@ def test_points_behind_narrow_or_single_are_refused() -> None:
 
 def test_distances_are_those_of_the_projection() -> None:
     points = np.random.default_rng(3).uniform(-1, 1, (20, 3))
-    _, photo, rays, focal, rotations, centres = rays_of(points)
-    moved = rays + np.array([3.0, 4.0]) / FOCAL
+    _, photo, rays, _, rotations, centres = rays_of(points)
+    moved = ideal_rays(rays + np.array([3.0, 4.0]) / FOCAL, FOCAL)
     point = np.repeat(np.arange(20), 4)
-    np.testing.assert_allclose(ray_distances_px(point, photo, moved, focal, rotations, centres, points), 5.0)
+    np.testing.assert_allclose(distances_px(point, photo, moved, rotations, centres, points), 5.0)

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphos_core.cameras import ray_from_pixel
 from graphos_core.data import Array, Block, Control, ControlObservations
-from graphos_core.geometry.triangulation import triangulate
+from graphos_core.geometry.rays import joined, rays_of
+from graphos_core.geometry.triangulation import intersect_rays
 from graphos_core.run import Run
 from graphos_core.text import Text
 
@@ -58,20 +58,20 @@ def intersect_measured(
     if control is None or measured is None or not len(measured.point):
         return MeasuredPoints(xyz, found, photos)
     photo = _photo_indices(block, measured, run)
-    rays = np.full((len(photo), 2), np.nan)
+    parts = []
     for index in np.unique(photo[photo >= 0]):
-        mine = photo == index
-        rays[mine] = ray_from_pixel(block.cameras[block.camera_of_photo[index]], measured.xy[mine])[:, :2]
-    use = np.flatnonzero((photo >= 0) & np.isfinite(rays).all(axis=1))
+        mine = np.flatnonzero(photo == index)
+        parts.append((mine, rays_of(block.cameras[block.camera_of_photo[index]], measured.xy[mine])))
+    rays = joined(parts, len(photo))
+    use = np.flatnonzero((photo >= 0) & rays.valid)
     use = use[np.asarray(block.oriented)[photo[use]]]
     use = use[
         np.unique(measured.point[use].astype(np.int64) * len(block.names) + photo[use], return_index=True)[1]
     ]
     ids, start, sizes = np.unique(measured.point[use], return_index=True, return_counts=True)
     photos[ids] = sizes
-    focal = np.array([block.cameras[c].focal_px for c in block.camera_of_photo])
-    result = triangulate(
-        np.append(start, len(use)), photo[use], rays[use], focal, block.rotations, block.centres,
+    result = intersect_rays(
+        np.append(start, len(use)), photo[use], rays[use], block.rotations, block.centres,
         threshold_px=threshold_px, min_angle=min_angle,
     )  # fmt: skip
     good = ids[result.ok]

@@ -9,8 +9,9 @@ import numpy as np
 from graphos_core.adjustment.orientation.growing import GrowingBlock
 from graphos_core.data import Array
 from graphos_core.errors import UserError
+from graphos_core.geometry.rays import Rays
 from graphos_core.geometry.relative_orientation import relative_orientation
-from graphos_core.geometry.triangulation import triangulate
+from graphos_core.geometry.triangulation import intersect_rays
 from graphos_core.run import Run
 from graphos_core.text import Text
 
@@ -54,23 +55,30 @@ def orient_pair(block: GrowingBlock, a: int, b: int, *, seed: int) -> FirstPair 
     """Orient photo b relative to photo a, or say why it is not possible."""
     in_a, in_b = block.common(a, b)
     rays_a, rays_b = block.rays[in_a], block.rays[in_b]
-    threshold = block.reprojection_px / float(np.sqrt(block.focal[a] * block.focal[b]))
-    found = relative_orientation(rays_a, rays_b, threshold, seed=seed)
+    found = relative_orientation(rays_a, rays_b, block.reprojection_px, seed=seed)
     if not found:
         return found.reason
     inliers = np.flatnonzero(found.inliers)
-    rays = np.stack([rays_a[inliers], rays_b[inliers]], axis=1).reshape(-1, 2)
     centre = -found.rotation.T @ found.translation
-    points = triangulate(
-        2 * np.arange(len(inliers) + 1), np.tile([0, 1], len(inliers)), rays, block.focal[[a, b]],
-        np.stack([np.eye(3), found.rotation]), np.stack([np.zeros(3), centre]),
-        threshold_px=block.reprojection_px,
+    points = intersect_rays(
+        2 * np.arange(len(inliers) + 1), np.tile([0, 1], len(inliers)),
+        alternating(rays_a[inliers], rays_b[inliers]), np.stack([np.eye(3), found.rotation]),
+        np.stack([np.zeros(3), centre]), threshold_px=block.reprojection_px,
     )  # fmt: skip
     angles = points.angles[points.ok]
     if not len(angles):
         return "no rays intersect in front of both photos"
     score = float(np.minimum(angles / FULL_ANGLE, 1.0).sum())
     return FirstPair(a, b, found.rotation, centre, len(angles), float(np.median(angles)), score)
+
+
+def alternating(a: Rays, b: Rays) -> Rays:
+    """Return corresponding rays one after the other: a₀, b₀, a₁, b₁ and so on."""
+    return Rays(
+        np.stack([a.directions, b.directions], axis=1).reshape(-1, 3),
+        np.stack([a.frames, b.frames], axis=1).reshape(-1, 3, 3),
+        a.central and b.central,
+    )
 
 
 def candidate_pairs(block: GrowingBlock, group: tuple[int, ...], min_points: int) -> list[tuple[int, int]]:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from graphos_core.cameras import ray_from_pixel
 from graphos_core.data import Array, Block, Camera, PhotoSet, Tracks
 from graphos_core.errors import ItemFailure
-from graphos_core.geometry.triangulation import intersection_angles, ray_distances_px, triangulate
+from graphos_core.geometry.rays import Rays, joined, rays_of
+from graphos_core.geometry.triangulation import distances_px, intersect_rays, intersection_angles
 
 
 class GrowingBlock:
@@ -18,7 +18,7 @@ class GrowingBlock:
     photos : PhotoSet
     tracks : Tracks
     reprojection_px : float
-        Largest distance of an accepted observation from its point in the ideal image, px.
+        Largest distance of an accepted observation from its point in the plane of its ray, px.
     min_angle : float
         Smallest largest intersection angle of an accepted point, radians.
 
@@ -33,8 +33,8 @@ class GrowingBlock:
     known : bool (t,)
     used : bool (m,)
         Accepted observations, in the order of the tracks' observations.
-    rays : float64 (m, 2)
-        Ideal image coordinates of all observations under the present calibration.
+    rays : Rays (m)
+        Of all observations under the present calibration.
     """
 
     def __init__(self, photos: PhotoSet, tracks: Tracks, reprojection_px: float, min_angle: float) -> None:
@@ -53,24 +53,21 @@ class GrowingBlock:
         order = np.argsort(tracks.photo, kind="stable")
         bounds = np.searchsorted(tracks.photo[order], np.arange(count + 1))
         self._of_photo = [order[bounds[i] : bounds[i + 1]] for i in range(count)]
-        self.rays = np.zeros((len(tracks.track), 2))
+        self.rays: Rays = joined([], len(tracks.track))
         self.cameras: tuple[Camera, ...] = ()
         self.set_cameras(photos.cameras)
 
     def set_cameras(self, cameras: tuple[Camera, ...]) -> None:
         """Take a calibration and compute the rays of all observations with it."""
-        changed = [
-            i
-            for i, c in enumerate(cameras)
-            if not self.cameras or not np.array_equal(c.values, self.cameras[i].values)
-        ]
-        self.cameras = tuple(cameras)
-        self.focal = np.array([cameras[c].focal_px for c in self.camera_of_photo])
         camera = self.camera_of_photo[self.tracks.photo]
-        for index in changed:
-            mine = camera == index
-            self.rays[mine] = ray_from_pixel(cameras[index], self.tracks.xy[mine])[:, :2]
-        self.valid: Array = np.asarray(np.isfinite(self.rays).all(axis=1))
+        parts = []
+        for index, new in enumerate(cameras):
+            mine = np.flatnonzero(camera == index)
+            known = bool(self.cameras) and np.array_equal(new.values, self.cameras[index].values)
+            parts.append((mine, self.rays[mine] if known else rays_of(new, self.tracks.xy[mine])))
+        self.cameras = tuple(cameras)
+        self.rays = joined(parts, len(camera)) if len(parts) > 1 else parts[0][1]
+        self.valid: Array = self.rays.valid
 
     def observations_of(self, photo: int) -> Array:
         """Return the indices of the valid observations of a photo, sorted by track."""
@@ -104,10 +101,10 @@ class GrowingBlock:
         self.reject()
 
     def distances_px(self, observations: Array) -> Array:
-        """Return the distance of each observation from its known point in the ideal image, px."""
-        return ray_distances_px(
+        """Return the distance of each observation from its known point in the plane of its ray, px."""
+        return distances_px(
             self.tracks.track[observations], self.tracks.photo[observations], self.rays[observations],
-            self.focal, self.rotations, self.centres, self.points,
+            self.rotations, self.centres, self.points,
         )  # fmt: skip
 
     def intersect(self) -> int:
@@ -116,8 +113,8 @@ class GrowingBlock:
         free = np.flatnonzero(self.oriented[tracks.photo] & self.valid & ~self.known[tracks.track])
         ids, start = np.unique(tracks.track[free], return_index=True)
         start = np.append(start, len(free))
-        found = triangulate(
-            start, tracks.photo[free], self.rays[free], self.focal, self.rotations, self.centres,
+        found = intersect_rays(
+            start, tracks.photo[free], self.rays[free], self.rotations, self.centres,
             threshold_px=self.reprojection_px, min_angle=self.min_angle,
         )  # fmt: skip
         new = ids[found.ok]

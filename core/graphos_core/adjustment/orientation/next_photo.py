@@ -88,17 +88,16 @@ def place_photo(
     """
     seen = block.seen_by(photo)
     points, rays = block.points[block.tracks.track[seen]], block.rays[seen]
-    threshold = threshold_px / block.focal[photo]
-    best, method = space_resection(points, rays, threshold, seed=seed), "space resection"
+    best, method = space_resection(points, rays, threshold_px, seed=seed), Text("space resection")
     neighbour = best_neighbour(block, photo)
     pair = relative_to(block, photo, neighbour, seed=seed)
     if pair is not None:
         name = Text("relative orientation to {photo}", photo=block.names[neighbour])
-        relative = refine_resection(pair.rotation, pair.translation, points, rays, threshold)
+        relative = refine_resection(pair.rotation, pair.translation, points, rays, threshold_px)
         if (relative.inliers.sum(), -relative.rms) > (best.inliers.sum(), -best.rms):
             best, method = relative, name
         if best.inliers.sum() < min_points <= pair.rays:
-            scaled = judge_resection(pair.rotation, pair.translation, points, rays, 2.0 * threshold)
+            scaled = judge_resection(pair.rotation, pair.translation, points, rays, 2.0 * threshold_px)
             agreeing = int(scaled.inliers.sum())
             if agreeing >= max(MIN_SCALING, 0.6 * len(seen)):
                 best, method, min_points = scaled, name, agreeing
@@ -113,8 +112,7 @@ def place_photo(
             limit=threshold_px,
             needed=min_points,
         )
-    rms_px = best.rms * float(block.focal[photo])
-    return Placement(best.rotation, best.centre, method, count, len(seen), rms_px, reason)
+    return Placement(best.rotation, best.centre, method, count, len(seen), best.rms, reason)
 
 
 def best_neighbour(block: GrowingBlock, photo: int) -> int:
@@ -139,17 +137,19 @@ class ScaledPair:
 def relative_to(block: GrowingBlock, photo: int, neighbour: int, *, seed: int) -> ScaledPair | None:
     """Orient `photo` by five points relative to `neighbour`; the known points common to both scale the base."""
     here, there = block.common(photo, neighbour)
-    focal = float(np.sqrt(block.focal[photo] * block.focal[neighbour]))
-    found = relative_orientation(
-        block.rays[there], block.rays[here], block.reprojection_px / focal, seed=seed
-    )
+    found = relative_orientation(block.rays[there], block.rays[here], block.reprojection_px, seed=seed)
     scaling = found.inliers & block.known[block.tracks.track[here]]
     if not found or scaling.sum() < 3:
         return None
-    # the known depth in the neighbour against the one intersected with a base of length 1
+    # the known distance from the neighbour against the one intersected with a base of length 1
     object_points = block.points[block.tracks.track[here[scaling]]]
-    known = (object_points - block.centres[neighbour]) @ block.rotations[neighbour][2]
-    unit, _ = depths(found.rotation, found.translation, block.rays[there[scaling]], block.rays[here[scaling]])
+    known = np.linalg.norm(object_points - block.centres[neighbour], axis=1)
+    unit, _ = depths(
+        found.rotation,
+        found.translation,
+        block.rays.directions[there[scaling]],
+        block.rays.directions[here[scaling]],
+    )
     base = float(np.median(known / unit))
     if not (np.isfinite(base) and base > 0):
         return None
