@@ -75,7 +75,7 @@ def ideal_rays(plane: Array, focal: Array | float = 1.0) -> Rays:
 def rays_of(camera: Camera, pixels: Array) -> Rays:
     """Return the rays of pixels (m, 2) of one camera; NaN where a pixel has none."""
     found = ray_from_pixel(camera, pixels)
-    if not getattr(camera_model(camera.model), "wide", False):
+    if not camera_model(camera.model).wide:
         return ideal_rays(found[:, :2], camera.focal_px)
     from graphos_core.geometry.ray_kernels import wide_frames
 

@@ -91,8 +91,9 @@ def _distances(side: Array, cosine: Array, v: Array) -> Array:
             np.stack([zero, s2 - s3 * ca, s3 - s2 * ca], 1), np.stack([s1 - s3 * cb, zero, s3 - s1 * cb], 1),
             np.stack([s1 - s2 * cg, s2 - s1 * cg, zero], 1),
         ], axis=1)  # fmt: skip
-        safe = np.isfinite(slope).all(axis=(1, 2))
-        safe[safe] = np.abs(np.linalg.det(slope[safe])) > 1e-12 * np.abs(slope[safe]).max(axis=(1, 2)) ** 3
+        safe = np.flatnonzero(np.isfinite(slope).all(axis=(1, 2)))
+        size = np.abs(slope[safe]).max(axis=(1, 2)) ** 3
+        safe = safe[np.abs(np.linalg.det(slope[safe])) > 1e-12 * size]
         s[safe] -= np.linalg.solve(slope[safe], misfit[safe][:, :, None])[:, :, 0]
     return s
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -48,7 +48,7 @@ class Positions:
     extras: tuple[Extra, ...] = ()
     kind: str = "projection centres"
     unit: str = "m"
-    points: Array = NOBODY
+    points: ClassVar[Array] = NOBODY
 
     def restrict(self, point: Array, photo: Array) -> Self | None:
         """Keep what is there."""
@@ -98,7 +98,7 @@ class Attitudes:
     extras: tuple[Extra, ...] = ()
     kind: str = "attitudes"
     unit: str = "rad"
-    points: Array = NOBODY
+    points: ClassVar[Array] = NOBODY
 
     @property
     def observed(self) -> Array:
@@ -164,7 +164,7 @@ class Rig:
     extras: tuple[Extra, ...] = ()
     kind: str = "rig"
     unit: str = ""
-    points: Array = NOBODY
+    points: ClassVar[Array] = NOBODY
 
     @property
     def observed(self) -> Array:
@@ -233,8 +233,8 @@ class CameraValues:
     labels: Sequence[str]
     kind: str = "camera"
     unit: str = ""
-    points: Array = NOBODY
-    photos: Array = NOBODY
+    points: ClassVar[Array] = NOBODY
+    photos: ClassVar[Array] = NOBODY
     extras: tuple[Extra, ...] = ()
 
     def restrict(self, point: Array, photo: Array) -> Self | None:

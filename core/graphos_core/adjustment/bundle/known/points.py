@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -37,7 +37,7 @@ class Coordinates:
     labels: Sequence[str]
     unit: str = "m"
     kind: str = "control coordinates"
-    photos: Array = NOBODY
+    photos: ClassVar[Array] = NOBODY
     extras: tuple[Extra, ...] = ()
 
     @property
@@ -155,7 +155,7 @@ class Flat:
     extras: tuple[Extra, ...]
     kind: str = "planes"
     unit: str = "m"
-    photos: Array = NOBODY
+    photos: ClassVar[Array] = NOBODY
 
     @property
     def observed(self) -> Array:
@@ -219,7 +219,7 @@ class Directions:
     labels: Sequence[str]
     kind: str = "axes"
     unit: str = "m"
-    photos: Array = NOBODY
+    photos: ClassVar[Array] = NOBODY
     extras: tuple[Extra, ...] = ()
 
     @property
