@@ -142,5 +142,12 @@ def distances_px(
     )
 
 
+def ray_distances_px(
+    point: Array, photo: Array, rays: Array, focal: Array, rotations: Array, centres: Array, points: Array
+) -> Array:
+    """Return the distance (m,) of central rays, given as x/z, y/z (m, 2), from their points; see `distances_px`."""
+    return distances_px(point, photo, ideal_rays(rays, np.asarray(focal)[photo]), rotations, centres, points)
+
+
 def _float(values: Array) -> Array:
     return np.ascontiguousarray(values, dtype=np.float64)
