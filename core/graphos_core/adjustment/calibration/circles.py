@@ -1,0 +1,132 @@
+"""Circles: dark discs on light ground, their centres from the gradients of their edges."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from graphos_core.data.record import Array
+
+LEAST_AREA = 20.0
+"""Smallest disc, px²: below it an edge has no gradients of its own."""
+LARGEST_SHARE = 0.02
+"""Largest disc as a share of the photo."""
+ROUNDEST = 0.12
+"""How much the area may differ from that of the ellipse with the same moments."""
+FLATTEST = 0.2
+"""Smallest ratio of the axes of an ellipse."""
+
+
+def find_discs(grey: Array) -> tuple[Array, Array, Array]:
+    """Find dark discs.
+
+    Regions darker than their surroundings (mean over a window, several window sizes) whose area is that of the ellipse
+    with the same second moments are discs. Their centres come from `ellipse_centre`.
+
+    Parameters
+    ----------
+    grey : uint8 (h, w)
+
+    Returns
+    -------
+    xy : float64 (k, 2)
+        Centres of the ellipses, px.
+    sigma : float64 (k,)
+        Standard deviation of a coordinate, px.
+    area : float64 (k,)
+        px².
+    """
+    smooth = cv2.GaussianBlur(grey, (0, 0), 1.0)
+    best: list[tuple[Array, float, float]] = []
+    for window in _windows(grey.shape):
+        mask = cv2.adaptiveThreshold(
+            smooth, 255, cv2.ADAPTIVE_THRESH_MEAN_C, cv2.THRESH_BINARY_INV, window, 8
+        )
+        found = _discs_of(grey, mask)
+        if len(found) > len(best):
+            best = found
+    if not best:
+        return np.zeros((0, 2)), np.zeros(0), np.zeros(0)
+    centres, sigmas, areas = zip(*best, strict=True)
+    return np.array(centres), np.array(sigmas), np.array(areas)
+
+
+def _windows(shape: tuple[int, ...]) -> list[int]:
+    side = max(shape)
+    return sorted({int(side * share) // 2 * 2 + 1 for share in (0.03, 0.06, 0.12, 0.25)})
+
+
+def _discs_of(grey: Array, mask: Array) -> list[tuple[Array, float, float]]:
+    contours, _ = cv2.findContours(mask, cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE)
+    discs = []
+    for contour in contours:
+        moments = cv2.moments(contour)
+        area = moments["m00"]
+        if not LEAST_AREA <= area <= LARGEST_SHARE * grey.size:
+            continue
+        spread = np.array([[moments["mu20"], moments["mu11"]], [moments["mu11"], moments["mu02"]]]) / area
+        small, large = np.sqrt(np.maximum(np.linalg.eigvalsh(spread), 1e-9)) * 2.0  # half axes
+        if abs(area / (np.pi * small * large) - 1.0) > ROUNDEST or small < FLATTEST * large:
+            continue
+        hull = cv2.contourArea(cv2.convexHull(contour))
+        if area < (1.0 - ROUNDEST) * hull:
+            continue
+        middle = np.array([moments["m10"], moments["m01"]]) / area
+        centre, sigma, measured = ellipse_centre(grey, middle, np.linalg.inv(spread), float(small))
+        if np.isfinite(sigma) and np.hypot(*(centre - middle)) < 0.5 * large:
+            discs.append((centre, sigma, measured))
+    return discs
+
+
+def ellipse_centre(grey: Array, middle: Array, shape: Array, small: float) -> tuple[Array, float, float]:
+    """Return the centre of an ellipse, the standard deviation of a coordinate, px, and the area, px².
+
+    Each pixel near the edge gives the tangent line ``l = (gx, gy, −gx x − gy y)`` perpendicular to its gradient g; all
+    tangents fulfil ``lᵀ C* l = 0`` with the dual conic C*, weighted with the squared gradient; its last column is the
+    centre. One linear least-squares solution, with its covariance (Ouellet and Hébert 2009, Precise ellipse
+    estimation without contour point extraction, Machine Vision and Applications 21).
+
+    Parameters
+    ----------
+    grey : uint8 (h, w)
+    middle : float64 (2,)
+        Centre of the region, px.
+    shape : float64 (2, 2)
+        Inverse second moments of the region: ``dᵀ shape d = 4`` on its edge.
+    small : float
+        Smaller half axis, px.
+    """
+    reach = int(np.ceil(2.0 * float(np.sqrt(np.linalg.inv(shape).diagonal().max())))) + 4
+    x0, y0 = (int(round(float(m))) for m in middle)
+    left, top = max(x0 - reach, 1), max(y0 - reach, 1)
+    right, bottom = min(x0 + reach, grey.shape[1] - 2), min(y0 + reach, grey.shape[0] - 2)
+    if right - left < 4 or bottom - top < 4:
+        return np.asarray(middle), float("inf"), 0.0
+    window = grey[top - 1 : bottom + 2, left - 1 : right + 2].astype(np.float64)
+    gx = 0.5 * (window[1:-1, 2:] - window[1:-1, :-2])
+    gy = 0.5 * (window[2:, 1:-1] - window[:-2, 1:-1])
+    y, x = np.mgrid[top : bottom + 1, left : right + 1].astype(np.float64)
+    x, y = x - middle[0], y - middle[1]
+    distance = 0.5 * np.sqrt(np.maximum(shape[0, 0] * x * x + 2 * shape[0, 1] * x * y + shape[1, 1] * y * y, 0))
+    outward = gx * (shape[0, 0] * x + shape[0, 1] * y) + gy * (shape[0, 1] * x + shape[1, 1] * y) > 0
+    ring = (np.abs(distance - 1.0) * small <= 2.5) & outward
+    a, b = gx[ring], gy[ring]
+    if len(a) < 12:
+        return np.asarray(middle), float("inf"), 0.0
+    scale = max(small, 1.0)
+    c = -(a * x[ring] + b * y[ring]) / scale
+    design = np.column_stack([a * a, 2 * a * b, b * b, 2 * a * c, 2 * b * c])
+    normal, right_side = design.T @ design, -design.T @ (c * c)
+    try:
+        solution = np.linalg.solve(normal, right_side)
+        cofactor = np.linalg.inv(normal)
+    except np.linalg.LinAlgError:
+        return np.asarray(middle), float("inf"), 0.0
+    residual = design @ solution + c * c
+    variance = float((residual**2).sum()) / (len(a) - 5)
+    sigma = scale * float(np.sqrt(max(0.5 * variance * (cofactor[3, 3] + cofactor[4, 4]), 0.0)))
+    centre = solution[3:5]
+    # the dual conic about its centre is −(half axes)², so its determinant is that of the area
+    axes = np.outer(centre, centre) - np.array([[solution[0], solution[1]], [solution[1], solution[2]]])
+    area = np.pi * scale**2 * float(np.sqrt(max(np.linalg.det(axes), 0.0)))
+    return middle + scale * centre, sigma, area

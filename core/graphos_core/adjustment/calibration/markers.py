@@ -1,0 +1,206 @@
+"""Coded boards: ArUco and AprilTag markers, alone or in the white squares of a chessboard (ChArUco)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from graphos_core.adjustment.calibration.corners import neighbour_distance, refine_corners
+from graphos_core.adjustment.calibration.target import TargetParams
+from graphos_core.data.record import Array
+from graphos_core.errors import UserError
+from graphos_core.params import unknown_name
+
+DETECTION_SHARE = 0.5
+"""Share of the markers that must fit a plane for the board's layout to be believed."""
+FIT_SHARE = 0.25
+"""How far a marker's centre may lie from its place on the board, in sides of a square."""
+
+
+@dataclass(frozen=True)
+class CodedBoard:
+    """A coded board as OpenCV knows it.
+
+    Attributes
+    ----------
+    dictionary : str
+    markers_only : bool
+    marker_mm : float
+    legacy : bool
+        Whether the first square is a white one with a marker also where the number of rows is even (OpenCV before
+        4.6).
+    """
+
+    dictionary: str
+    markers_only: bool
+    marker_mm: float
+    legacy: bool = False
+
+    def board(self, target: TargetParams) -> cv2.aruco.Board:
+        """Return OpenCV's board, in mm."""
+        dictionary = cv2.aruco.getPredefinedDictionary(dictionaries()[self.dictionary])
+        if self.markers_only:
+            gap = target.square_mm - self.marker_mm
+            return cv2.aruco.GridBoard(target.shape, self.marker_mm, gap, dictionary)
+        squares = (target.columns + 1, target.rows + 1)
+        board = cv2.aruco.CharucoBoard(squares, target.square_mm, self.marker_mm, dictionary)
+        board.setLegacyPattern(self.legacy)
+        return board
+
+
+def dictionaries() -> dict[str, int]:
+    """Return OpenCV's predefined dictionaries by name."""
+    names = sorted(n for n in dir(cv2.aruco) if n.startswith("DICT_"))
+    return {name: getattr(cv2.aruco, name) for name in names}
+
+
+def needed_markers(target: TargetParams) -> int:
+    """Return how many markers the board has."""
+    if target.markers_only:
+        return target.columns * target.rows
+    return (target.columns + 1) * (target.rows + 1) // 2
+
+
+def recognise(greys: Sequence[Array], target: TargetParams) -> CodedBoard | None:
+    """Find out dictionary, side of the markers and pattern of a board from photos of it; None where nothing fits.
+
+    Parameters
+    ----------
+    greys : sequence of uint8 (h, w)
+        A few photos.
+    target : TargetParams
+        What is given in it is not changed.
+
+    Raises
+    ------
+    UserError
+        When the dictionary does not exist.
+    """
+    name = _dictionary(greys, target)
+    if name is None:
+        return None
+    if target.marker_mm is not None and target.markers_only:
+        return CodedBoard(name, True, target.marker_mm)
+    best: tuple[float, CodedBoard] | None = None
+    for legacy in (False,) if target.markers_only else (False, True):
+        trial = CodedBoard(name, target.markers_only, target.marker_mm or 0.5 * target.square_mm, legacy)
+        fits = [fit for grey in greys if (fit := _fit(grey, target, trial)) is not None]
+        if fits:
+            share, side = float(np.mean([f[0] for f in fits])), float(np.median([f[1] for f in fits]))
+            side = min(side, 0.98 * target.square_mm)
+            found = CodedBoard(name, target.markers_only, target.marker_mm or side, legacy)
+            if best is None or share > best[0] + 0.02:
+                best = (share, found)
+    return best[1] if best is not None and best[0] > DETECTION_SHARE else None
+
+
+def find_markers(
+    grey: Array, target: TargetParams, coded: CodedBoard
+) -> tuple[Array, Array, Array] | None:
+    """Measure what is seen of a coded board.
+
+    Markers are found and decoded by OpenCV (Garrido-Jurado et al. 2014, Automatic generation and detection of highly
+    reliable fiducial markers under occlusion). Of a ChArUco board the corners of the chessboard are predicted from the
+    markers beside them and measured by `refine_corners`; of a grid of markers the marker's own corners are.
+
+    Returns
+    -------
+    (point int32 (m,), xy float64 (m, 2), sigma float64 (m,)) or None
+    """
+    if coded.markers_only:
+        corners, ids = _detect(grey, coded.dictionary)
+        mine = ids < target.columns * target.rows
+        corners, ids = corners[mine], ids[mine]
+        if len(ids) == 0:
+            return None
+        point = (4 * ids[:, None] + np.arange(4)).ravel()
+        rough = corners.reshape(-1, 2)
+        spacing = np.repeat(np.hypot(*(corners[:, 1] - corners[:, 0]).T), 4)
+        gap = max(target.square_mm / coded.marker_mm - 1.0, 0.1) * spacing
+        xy, sigma = refine_corners(grey, rough, np.minimum(spacing, 2.0 * gap))
+    else:
+        detector = cv2.aruco.CharucoDetector(coded.board(target))
+        found, ids, _, _ = detector.detectBoard(grey)
+        if ids is None or len(ids) < 4:
+            return None
+        point, rough = ids.ravel(), found.reshape(-1, 2).astype(np.float64)
+        # the window must not reach the markers: they begin half a gap from the corner
+        gap = 1.0 - coded.marker_mm / target.square_mm
+        xy, sigma = refine_corners(grey, rough, neighbour_distance(rough) * min(1.0, 2.0 * gap))
+    order = np.argsort(point)
+    point, xy, sigma = point[order], xy[order], sigma[order]
+    keep = np.isfinite(sigma) & np.r_[True, np.diff(point) > 0]
+    return point[keep].astype(np.int32), xy[keep], sigma[keep]
+
+
+def _detect(grey: Array, dictionary: str) -> tuple[Array, Array]:
+    """Return corners float64 (k, 4, 2) and numbers (k,) of all markers of a dictionary."""
+    parameters = cv2.aruco.DetectorParameters()
+    parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
+    detector = cv2.aruco.ArucoDetector(
+        cv2.aruco.getPredefinedDictionary(dictionaries()[dictionary]), parameters
+    )
+    corners, ids, _ = detector.detectMarkers(grey)
+    if ids is None:
+        return np.zeros((0, 4, 2)), np.zeros(0, dtype=np.int64)
+    return np.array(corners, dtype=np.float64).reshape(-1, 4, 2), ids.ravel().astype(np.int64)
+
+
+def _dictionary(greys: Sequence[Array], target: TargetParams) -> str | None:
+    """Return the dictionary with the most markers in the photos: the smallest of those that are alike."""
+    known = dictionaries()
+    if target.dictionary:
+        if target.dictionary not in known:
+            raise UserError(unknown_name(target.dictionary, list(known), "dictionary of markers"))
+        return target.dictionary
+    wanted = needed_markers(target)
+    counts: dict[str, int] = {}
+    for name, code in known.items():
+        if len(cv2.aruco.getPredefinedDictionary(code).bytesList) < wanted:
+            continue
+        found = [_detect(grey, name)[1] for grey in greys]
+        counts[name] = sum(len(np.unique(ids[ids < wanted])) for ids in found)
+    if not counts or max(counts.values()) < 4:
+        return None
+    alike = [name for name, count in counts.items() if count >= 0.97 * max(counts.values())]
+    return min(alike, key=lambda name: (len(cv2.aruco.getPredefinedDictionary(known[name]).bytesList), name))
+
+
+def _fit(grey: Array, target: TargetParams, coded: CodedBoard) -> tuple[float, float] | None:
+    """Return the share of markers whose centres fit a plane board, and the side of a marker, mm.
+
+    The centres do not depend on the side, so a homography through them tells the side from the corners.
+    """
+    corners, ids = _detect(grey, coded.dictionary)
+    board = coded.board(target)
+    known = {
+        int(number): np.asarray(place)[:, :2].mean(axis=0)
+        for number, place in zip(board.getIds().ravel(), board.getObjPoints(), strict=True)
+    }
+    mine = np.array([int(number) in known for number in ids], dtype=bool)
+    if mine.sum() < 4:
+        return None
+    corners, centres = corners[mine], np.array([known[int(number)] for number in ids[mine]])
+    # the image of the centre of a square is where its diagonals cross
+    seen = np.array([_crossing(four) for four in corners])
+    homography, _ = cv2.findHomography(seen, centres, cv2.RANSAC, FIT_SHARE * target.square_mm)
+    if homography is None:
+        return None
+    fitted = cv2.perspectiveTransform(seen[:, None], homography)[:, 0]
+    good = np.hypot(*(fitted - centres).T) < FIT_SHARE * target.square_mm
+    on_board = cv2.perspectiveTransform(corners.reshape(-1, 1, 2), homography).reshape(-1, 4, 2)[good]
+    if len(on_board) < 4:
+        return None
+    sides = np.hypot(*np.moveaxis(on_board - np.roll(on_board, 1, axis=1), -1, 0))
+    return float(good.mean()), float(np.median(sides))
+
+
+def _crossing(corners: Array) -> Array:
+    """Return where the diagonals of a quadrangle (4, 2) cross."""
+    a, b, c, d = corners
+    share = np.linalg.solve(np.column_stack([c - a, b - d]), b - a)[0]
+    result: Array = a + share * (c - a)
+    return result
