@@ -13,6 +13,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 from graphos_core import __version__
+from graphos_core.calibrate_options import add_calibrate
 
 STAGES = ("preprocessing", "features", "adjustment", "dense", "quality")
 DONE, FAILED, USAGE = 0, 1, 2
@@ -67,6 +68,10 @@ def build_parser() -> argparse.ArgumentParser:
         "--calibration", choices=("fixed", "basic"), help="keep the calibration, or adjust f, x0, y0, k1, k2"
     )
     run.add_argument(
+        "--camera", type=Path, metavar="FILE",
+        help="calibration.toml of “graphos calibrate”; held fixed unless --calibration says otherwise",
+    )  # fmt: skip
+    run.add_argument(
         "--control", type=Path, help="control points (CSV); measurements in NAME_measurements.csv beside it"
     )
     run.add_argument(
@@ -76,6 +81,7 @@ def build_parser() -> argparse.ArgumentParser:
     run.add_argument("--until", choices=STAGES, default="quality", help="last stage (default quality)")
     _common(run)
 
+    add_calibrate(words, _common)
     words.add_parser("list", help="algorithms by room and role")
     describe = words.add_parser("describe", help="parameter sheet of an algorithm")
     describe.add_argument("algorithm", help="room.algorithm or algorithm, such as features.sift")
@@ -166,6 +172,7 @@ def _dispatch(options: argparse.Namespace) -> int:
     function = {
         "simulate": commands.simulate,
         "run": commands.run,
+        "calibrate": commands.calibrate,
         "list": commands.list_algorithms,
         "describe": commands.describe,
     }[options.word]

@@ -71,6 +71,8 @@ def _recipe(options: argparse.Namespace) -> Recipe:
     recipe = Recipe.load(options.recipe) if options.recipe else _recipe_of(options.source)
     if options.seed is not None:
         recipe = recipe.with_seed(options.seed)
+    if options.camera is not None and options.calibration is None:
+        options.calibration = "fixed"
     if options.calibration is not None:
         recipe = recipe.set(f"adjustment.schur.calibration={options.calibration}")
         recipe = recipe.set(
@@ -95,6 +97,8 @@ def _project(options: argparse.Namespace, seed: int, progress: Run) -> Project:
         "focal_px": options.focal_px, "principal_point": options.principal_point, "distance": options.distance,
     }  # fmt: skip
     settings = {k: v for k, v in settings.items() if v is not None} | {"seed": seed}
+    if options.camera is not None:
+        settings["calibration"] = options.camera
     if options.reference is not None:
         if not options.reference.is_file():
             raise UserError(
@@ -110,6 +114,8 @@ def _project(options: argparse.Namespace, seed: int, progress: Run) -> Project:
         }
         if source.settings.control and options.control is None:
             options.control = source.folder / source.settings.control
+        if source.settings.calibration and options.camera is None:
+            settings["calibration"] = source.folder / source.settings.calibration
         return Project.create(
             options.out,
             source.photos_folder,
@@ -165,6 +171,13 @@ def simulate(options: argparse.Namespace) -> int:
     )  # fmt: skip
     print(f"{len(block.names)} photos with truth in {options.out}")
     return 0
+
+
+def calibrate(options: argparse.Namespace) -> int:
+    """``graphos calibrate``: photos of a test field to a calibrated camera."""
+    from graphos_core import calibrate_command
+
+    return calibrate_command.calibrate(options)
 
 
 def demo_folder(options: argparse.Namespace) -> Path:

@@ -14,6 +14,7 @@ from graphos_core.project_file import (
     FILE,
     Settings,
     check_settings,
+    copy_calibration,
     copy_control,
     inside,
     read_settings,
@@ -94,7 +95,7 @@ class Project:
             Name of the photo folder when missing.
         run : Run, optional
         **settings
-            Other fields of `Settings`; ``control`` may be a path anywhere, the file is copied.
+            Other fields of `Settings`; ``control`` and ``calibration`` may be paths anywhere, the files are copied.
 
         Raises
         ------
@@ -102,7 +103,7 @@ class Project:
             When the folder cannot be written or holds a project of other photos, or there is no usable photo.
         """
         folder, photos = folder.absolute(), photos.absolute()
-        control = settings.pop("control", None)
+        control, calibration = settings.pop("control", None), settings.pop("calibration", None)
         relative = relative_path(photos, folder)
         if (folder / FILE).exists():
             found = read_settings(folder)
@@ -117,11 +118,16 @@ class Project:
         else:
             made = Settings(name=name or photos.name, photos=relative, **settings)
         check_settings(made)
-        photo_set = _read_photos(photos, made, Store(folder / "results"), run or Run(), write=False)
+        photo_set = _read_photos(
+            photos, made, Store(folder / "results"), run or Run(), write=False,
+            calibration=Path(calibration) if calibration is not None else _calibration_of(folder, made),
+        )  # fmt: skip
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as problem:
             raise cannot_write(folder, problem) from problem
+        if calibration is not None:
+            made = replace(made, calibration=copy_calibration(Path(calibration), folder))
         if control is not None:
             made = replace(made, control=copy_control(Path(control), folder))
         made = replace(made, files=tuple(sorted({p.name for p in photo_set.photos} | set(made.excluded))))
@@ -160,7 +166,10 @@ class Project:
             settings = replace(settings, photos=relative_path(where, folder))
         store = Store(folder / "results")
         store.sweep()
-        project = cls(folder, settings, _read_photos(where, settings, store, run or Run(), write=True), store)
+        photo_set = _read_photos(
+            where, settings, store, run or Run(), write=True, calibration=_calibration_of(folder, settings)
+        )
+        project = cls(folder, settings, photo_set, store)
         if photos is not None:
             project.save()
         return project
@@ -170,12 +179,20 @@ class Project:
         write_settings(self.folder, self.settings)
 
     def change(self, run: Run | None = None, **settings: Any) -> Project:
-        """Return the project with some settings changed, saved; ``control`` may be a path anywhere."""
+        """Return the project with some settings changed, saved; control and calibration may be paths anywhere."""
         if settings.get("control"):
             settings["control"] = copy_control(Path(settings["control"]), self.folder)
+        given = settings.pop("calibration", None)
         made = replace(self.settings, **settings)
+        if given == "":
+            made = replace(made, calibration="")
         check_settings(made)
-        photo_set = _read_photos(self.photos_folder, made, self.store, run or Run(), write=True)
+        photo_set = _read_photos(
+            self.photos_folder, made, self.store, run or Run(), write=True,
+            calibration=Path(given) if given else _calibration_of(self.folder, made),
+        )  # fmt: skip
+        if given:
+            made = replace(made, calibration=copy_calibration(Path(given), self.folder))
         project = Project(self.folder, made, photo_set, self.store)
         project.save()
         return project
@@ -215,8 +232,23 @@ class Project:
         }
 
 
-def _read_photos(folder: Path, settings: Settings, store: Store, run: Run, *, write: bool) -> PhotoSet:
-    """Read the photo headers, or take them from the store when no file has changed."""
+def _calibration_of(folder: Path, settings: Settings) -> Path | None:
+    return inside(folder, settings.calibration) if settings.calibration else None
+
+
+def _read_photos(
+    folder: Path, settings: Settings, store: Store, run: Run, *, write: bool, calibration: Path | None = None
+) -> PhotoSet:
+    """Read the photo headers, or take them from the store when no file has changed; give the cameras their values."""
+    found = _read_headers(folder, settings, store, run, write=write)
+    if calibration is None:
+        return found
+    from graphos_core.exchange.calibration_file import read_calibration, with_calibration
+
+    return with_calibration(found, read_calibration(calibration))
+
+
+def _read_headers(folder: Path, settings: Settings, store: Store, run: Run, *, write: bool) -> PhotoSet:
     from graphos_core.images import read_photo_set
 
     listing: Mapping[str, Any] = {"version": __version__}

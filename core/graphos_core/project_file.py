@@ -45,6 +45,8 @@ class Settings:
         Two point names and their distance in metres.
     reference : str
         Reference cloud or mesh for quality control, relative to the project folder, or empty.
+    calibration : str
+        Calibration file inside the project folder, or empty.
     """
 
     name: str
@@ -57,6 +59,7 @@ class Settings:
     control: str = ""
     distance: tuple[str, str, float] | None = None
     reference: str = ""
+    calibration: str = ""
 
 
 def relative_path(path: Path, start: Path) -> str:
@@ -105,6 +108,20 @@ def copy_control(source: Path, folder: Path) -> str:
     return pairs[0][1]
 
 
+def copy_calibration(source: Path, folder: Path) -> str:
+    """Copy a calibration file into the project folder, refusing one that cannot be read; return its name there."""
+    from graphos_core.exchange.calibration_file import read_calibration
+
+    read_calibration(source)
+    name = "calibration.toml"
+    if source.resolve() != (folder / name).resolve():
+        try:
+            shutil.copyfile(source, folder / name)
+        except OSError as problem:
+            raise cannot_write(folder / name, problem) from problem
+    return name
+
+
 def check_settings(settings: Settings) -> None:
     """Refuse values that make no sense."""
     if settings.focal_px is not None and not 1.0 <= settings.focal_px <= 1e6:
@@ -138,6 +155,7 @@ def write_settings(folder: Path, settings: Settings) -> None:
         "control": s.control,
         "distance": list(s.distance) if s.distance else "",
         "reference": s.reference,
+        "calibration": s.calibration,
     }
     document["known"] = {k: v for k, v in known.items() if v}
     write_text(folder / FILE, tomli_w.dumps(document))
@@ -169,8 +187,9 @@ def read_settings(folder: Path) -> Settings:
             control=str(known.get("control", "")),
             distance=None if not distance else (str(distance[0]), str(distance[1]), float(distance[2])),
             reference=str(known.get("reference", "")),
+            calibration=str(known.get("calibration", "")),
         )
-        if "\0" in found.photos + found.control + found.reference:
+        if "\0" in found.photos + found.control + found.reference + found.calibration:
             raise ValueError("a path has a character that no path can have")
         check_settings(found)
         return found

@@ -9,7 +9,6 @@ from scipy.stats import f as fisher
 
 from graphos_core.adjustment.bundle.adjust import Options, adjust_block
 from graphos_core.adjustment.bundle.problem import Freedom
-from graphos_core.cameras import camera_model
 from graphos_core.data import Adjustment, Array
 from graphos_core.data.record import record
 from graphos_core.geometry.similarity import estimate_similarity
@@ -58,7 +57,9 @@ class BoardShape:
         return self.statistic <= self.limit
 
 
-def free_board(result: Adjustment, model: str, run: Run) -> tuple[Adjustment, BoardShape] | None:
+def free_board(
+    result: Adjustment, interior: tuple[tuple[str, ...], ...], run: Run
+) -> tuple[Adjustment, BoardShape] | None:
     """Adjust once more with the board's points free, and lay them over the drawing.
 
     The datum is that of a free network; a similarity onto the drawing gives position and scale back. Whether the
@@ -68,8 +69,8 @@ def free_board(result: Adjustment, model: str, run: Run) -> tuple[Adjustment, Bo
     ----------
     result : Adjustment
         With the board's points fixed.
-    model : str
-        Camera model.
+    interior : tuple of tuple of str
+        Free parameters of each camera.
     run : Run
 
     Returns
@@ -81,8 +82,6 @@ def free_board(result: Adjustment, model: str, run: Run) -> tuple[Adjustment, Bo
     rays = np.bincount(block.obs_point, minlength=len(block.points))
     if rays.min() < LEAST_RAYS or block.oriented.sum() < LEAST_RAYS:
         return None
-    used = {int(c) for c in np.unique(block.camera_of_photo[block.oriented])}
-    interior = tuple(camera_model(model).names if c in used else () for c in range(len(block.cameras)))
     quiet = Run(threads=run.threads, seed=run.seed)
     freed = adjust_block(
         block, Freedom(interior=interior), Options(max_iterations=200, tolerance=1e-12), run=quiet

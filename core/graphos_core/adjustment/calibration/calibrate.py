@@ -20,7 +20,7 @@ from graphos_core.cameras import camera_model
 from graphos_core.data import Adjustment, Array, Block, Camera, PhotoSet
 from graphos_core.data.record import record
 from graphos_core.errors import ItemFailure, UserError
-from graphos_core.params import About
+from graphos_core.params import About, unknown_name
 from graphos_core.run import Run
 from graphos_core.text import Text
 
@@ -33,10 +33,18 @@ class CalibrateParams(TargetParams):
     """Parameters of the calibration with a test field."""
 
     calibration: Annotated[str, About(
-        label="Camera model", help="Which parameters the camera gets; all of them are estimated.",
+        label="Camera model", help="Which parameters the camera gets.",
         effect="More parameters fit better and are known worse.", group="Camera",
         learn="adjustment/self-calibration",
     )] = "basic"  # fmt: skip
+    free: Annotated[str, About(
+        label="Also free", help="Parameters that are estimated beside the usual ones of the model, with commas between.",
+        level="expert", group="Camera",
+    )] = ""  # fmt: skip
+    fix: Annotated[str, About(
+        label="Held fixed", help="Parameters that keep their start value (0 for distortion), with commas between.",
+        level="expert", group="Camera",
+    )] = ""  # fmt: skip
     rejection: Annotated[float | None, About(
         label="Rejection limit", symbol="q", unit="σ", low=2.5, high=100, step=0.5,
         help="Points with residuals longer than this many robust standard deviations are removed; empty: none is.",
@@ -99,7 +107,7 @@ def calibrate_camera(photos: PhotoSet, params: CalibrateParams, *, run: Run) -> 
         When the target is not found, photos are too few, or the camera model does not exist.
     Stopped
     """
-    camera_model(params.calibration)
+    names = free_names(params)
     found, target = detect_target(photos.photos, params, run=run)
     found = _enough_photos(photos, found)
     mirrored = any(o.mirrored for o in found if o)
@@ -114,7 +122,7 @@ def calibrate_camera(photos: PhotoSet, params: CalibrateParams, *, run: Run) -> 
     result, rejected = _without_outliers(result, params, run)
     shape = None
     if not target.symmetric_twice and len(result.block.points) == len(board):
-        freed = free_board(result, params.calibration, run)
+        freed = free_board(result, interior(result.block, names), run)
         if freed is not None:
             shape = freed[1]
             result = freed[0] if params.free_board else result
@@ -172,7 +180,7 @@ def _start(
     poses = {
         i: board_pose(cameras[photos.photos[i].camera], board[found[i].point], found[i].xy) for i in used
     }
-    failed = {
+    failed: dict[str, str] = {
         found[i].photo: Text("its orientation was not found") for i, pose in poses.items() if pose is None
     }
     kept = [i for i in used if poses[i] is not None]
@@ -203,11 +211,28 @@ def _ready(block: Block, run: Run) -> None:
                  total=len(block.names), points=len(block.obs_xy)))  # fmt: skip
 
 
-def interior(block: Block, model: str, names: tuple[str, ...] | None = None) -> tuple[tuple[str, ...], ...]:
-    """Return what is free of each camera that has photos: `names`, or all parameters of the model."""
+def free_names(params: CalibrateParams) -> tuple[str, ...]:
+    """Return the names of the parameters that are estimated, in the order of the model.
+
+    Raises
+    ------
+    UserError
+        When the model or a parameter does not exist.
+    """
+    model = camera_model(params.calibration)
+    free = {p.name for p in model.parameters if p.default == "free"}
+    for text, change in ((params.free, free.add), (params.fix, free.discard)):
+        for name in (part.strip() for part in text.split(",") if part.strip()):
+            if name not in model.names:
+                raise UserError(unknown_name(name, list(model.names), f"parameter of the model {model.name}"))
+            change(name)
+    return tuple(name for name in model.names if name in free)
+
+
+def interior(block: Block, names: tuple[str, ...]) -> tuple[tuple[str, ...], ...]:
+    """Return what is free of each camera: `names` of those that have photos."""
     used = {int(c) for c in np.unique(block.camera_of_photo[block.oriented])}
-    free = names or camera_model(model).names
-    return tuple(free if c in used else () for c in range(len(block.cameras)))
+    return tuple(names if c in used else () for c in range(len(block.cameras)))
 
 
 def _adjust(block: Block, params: CalibrateParams, run: Run) -> Adjustment:
@@ -215,14 +240,14 @@ def _adjust(block: Block, params: CalibrateParams, run: Run) -> Adjustment:
     fixed = np.ones(len(block.points), dtype=bool)
     rough = Options(max_iterations=30, tolerance=1e-4, statistics=False, robust="huber", scale_px=3.0)
     first = adjust_block(
-        block, Freedom(interior=interior(block, params.calibration, ("focal_px",)), fixed_points=fixed), rough, run=run
+        block, Freedom(interior=interior(block, ("focal_px",) if "focal_px" in free_names(params) else ()), fixed_points=fixed), rough, run=run
     )  # fmt: skip
     return _exact(first.block, params, run)
 
 
 def _exact(block: Block, params: CalibrateParams, run: Run) -> Adjustment:
     freedom = Freedom(
-        interior=interior(block, params.calibration), fixed_points=np.ones(len(block.points), dtype=bool)
+        interior=interior(block, free_names(params)), fixed_points=np.ones(len(block.points), dtype=bool)
     )
     return adjust_block(block, freedom, Options(max_iterations=200, tolerance=1e-12), run=run)
 

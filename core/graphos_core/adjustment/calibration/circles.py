@@ -97,7 +97,7 @@ def ellipse_centre(grey: Array, middle: Array, shape: Array, small: float) -> tu
         Smaller half axis, px.
     """
     reach = int(np.ceil(2.0 * float(np.sqrt(np.linalg.inv(shape).diagonal().max())))) + 4
-    x0, y0 = (int(round(float(m))) for m in middle)
+    x0, y0 = (round(float(m)) for m in middle)
     left, top = max(x0 - reach, 1), max(y0 - reach, 1)
     right, bottom = min(x0 + reach, grey.shape[1] - 2), min(y0 + reach, grey.shape[0] - 2)
     if right - left < 4 or bottom - top < 4:
@@ -107,7 +107,9 @@ def ellipse_centre(grey: Array, middle: Array, shape: Array, small: float) -> tu
     gy = 0.5 * (window[2:, 1:-1] - window[:-2, 1:-1])
     y, x = np.mgrid[top : bottom + 1, left : right + 1].astype(np.float64)
     x, y = x - middle[0], y - middle[1]
-    distance = 0.5 * np.sqrt(np.maximum(shape[0, 0] * x * x + 2 * shape[0, 1] * x * y + shape[1, 1] * y * y, 0))
+    distance = 0.5 * np.sqrt(
+        np.maximum(shape[0, 0] * x * x + 2 * shape[0, 1] * x * y + shape[1, 1] * y * y, 0)
+    )
     outward = gx * (shape[0, 0] * x + shape[0, 1] * y) + gy * (shape[0, 1] * x + shape[1, 1] * y) > 0
     ring = (np.abs(distance - 1.0) * small <= 2.5) & outward
     a, b = gx[ring], gy[ring]

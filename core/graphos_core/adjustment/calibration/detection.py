@@ -127,7 +127,9 @@ def _not_found(
         c=target.columns, r=target.rows, n=len(photos),
     )  # fmt: skip
     if target.target == "chessboard":
-        sizes = Counter(size for p in photos[:LOOKED_AT] if (size := size_of_chessboard(_grey(p))) is not None)
+        sizes = Counter(
+            size for p in photos[:LOOKED_AT] if (size := size_of_chessboard(_grey(p))) is not None
+        )
         if sizes:
             columns, rows = max(sizes)
             return UserError(

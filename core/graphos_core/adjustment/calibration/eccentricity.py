@@ -48,9 +48,7 @@ def eccentricity(camera: Camera, pose: tuple[Array, Array], points: Array, diame
     return result
 
 
-def _images(
-    camera: Camera, pose: tuple[Array, Array], points: Array, diameter: float
-) -> tuple[Array, Array]:
+def _images(camera: Camera, pose: tuple[Array, Array], points: Array, diameter: float) -> tuple[Array, Array]:
     """Return centroids (m, 2) and areas (m,) of the images of circles, px and px²."""
     angle = 2.0 * np.pi * np.arange(CORNERS) / CORNERS
     # a polygon with the circle's own area

@@ -33,14 +33,19 @@ def look_for_problems(
     block = result.block
     used = np.unique(np.asarray(block.camera_of_photo)[np.asarray(block.oriented)])
     if len(used) > 1:
-        found.append(Text("The photos are of {n} cameras or sizes; each is calibrated by its own photos.", n=len(used)))
+        found.append(
+            Text("The photos are of {n} cameras or sizes; each is calibrated by its own photos.", n=len(used))
+        )
     for c in used:
         found += _network(block, int(c))
         found += _coverage(block, int(c))
     found += _board(shape, freed)
     found += _photos(result)
     if rejected:
-        found.append(Text("{n} points were removed as outliers.", n=rejected))
+        found.append(
+            Text("One point was removed as an outlier.") if rejected == 1
+            else Text("{n} points were removed as outliers.", n=rejected)
+        )  # fmt: skip
     expected = float(np.median(sigma[np.isfinite(sigma)])) if np.isfinite(sigma).any() else 0.0
     if expected > 0 and result.sigma0_px > 4.0 * expected and (shape is None or shape.agrees or freed):
         found.append(Text(
@@ -81,7 +86,8 @@ def _depths(block: Block, camera: int) -> Array:
 
 
 def _network(block: Block, c: int) -> list[str]:
-    camera, found = block.cameras[c], []
+    camera = block.cameras[c]
+    found: list[str] = []
     label = camera.label or Text("The camera")
     photos = int((block.oriented & (block.camera_of_photo == c)).sum())
     tilt, roll = largest_tilt(block, c), largest_roll(block, c)

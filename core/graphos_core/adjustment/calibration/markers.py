@@ -39,12 +39,16 @@ class CodedBoard:
     marker_mm: float
     legacy: bool = False
 
-    def board(self, target: TargetParams) -> cv2.aruco.Board:
-        """Return OpenCV's board, in mm."""
+    def grid(self, target: TargetParams) -> cv2.aruco.GridBoard:
+        """Return OpenCV's grid of markers, in mm."""
         dictionary = cv2.aruco.getPredefinedDictionary(dictionaries()[self.dictionary])
-        if self.markers_only:
-            gap = target.square_mm - self.marker_mm
-            return cv2.aruco.GridBoard(target.shape, self.marker_mm, gap, dictionary)
+        return cv2.aruco.GridBoard(
+            target.shape, self.marker_mm, target.square_mm - self.marker_mm, dictionary
+        )
+
+    def charuco(self, target: TargetParams) -> cv2.aruco.CharucoBoard:
+        """Return OpenCV's chessboard with markers, in mm."""
+        dictionary = cv2.aruco.getPredefinedDictionary(dictionaries()[self.dictionary])
         squares = (target.columns + 1, target.rows + 1)
         board = cv2.aruco.CharucoBoard(squares, target.square_mm, self.marker_mm, dictionary)
         board.setLegacyPattern(self.legacy)
@@ -97,9 +101,7 @@ def recognise(greys: Sequence[Array], target: TargetParams) -> CodedBoard | None
     return best[1] if best is not None and best[0] > DETECTION_SHARE else None
 
 
-def find_markers(
-    grey: Array, target: TargetParams, coded: CodedBoard
-) -> tuple[Array, Array, Array] | None:
+def find_markers(grey: Array, target: TargetParams, coded: CodedBoard) -> tuple[Array, Array, Array] | None:
     """Measure what is seen of a coded board.
 
     Markers are found and decoded by OpenCV (Garrido-Jurado et al. 2014, Automatic generation and detection of highly
@@ -110,30 +112,38 @@ def find_markers(
     -------
     (point int32 (m,), xy float64 (m, 2), sigma float64 (m,)) or None
     """
-    if coded.markers_only:
-        corners, ids = _detect(grey, coded.dictionary)
-        mine = ids < target.columns * target.rows
-        corners, ids = corners[mine], ids[mine]
-        if len(ids) == 0:
-            return None
-        point = (4 * ids[:, None] + np.arange(4)).ravel()
-        rough = corners.reshape(-1, 2)
-        spacing = np.repeat(np.hypot(*(corners[:, 1] - corners[:, 0]).T), 4)
-        gap = max(target.square_mm / coded.marker_mm - 1.0, 0.1) * spacing
-        xy, sigma = refine_corners(grey, rough, np.minimum(spacing, 2.0 * gap))
-    else:
-        detector = cv2.aruco.CharucoDetector(coded.board(target))
-        found, ids, _, _ = detector.detectBoard(grey)
-        if ids is None or len(ids) < 4:
-            return None
-        point, rough = ids.ravel(), found.reshape(-1, 2).astype(np.float64)
-        # the window must not reach the markers: they begin half a gap from the corner
-        gap = 1.0 - coded.marker_mm / target.square_mm
-        xy, sigma = refine_corners(grey, rough, neighbour_distance(rough) * min(1.0, 2.0 * gap))
-    order = np.argsort(point)
+    rough = _rough_grid(grey, target, coded) if coded.markers_only else _rough_charuco(grey, target, coded)
+    if rough is None:
+        return None
+    point, places, reach = rough
+    xy, sigma = refine_corners(grey, places, reach)
+    order = np.argsort(point, kind="stable")
     point, xy, sigma = point[order], xy[order], sigma[order]
     keep = np.isfinite(sigma) & np.r_[True, np.diff(point) > 0]
     return point[keep].astype(np.int32), xy[keep], sigma[keep]
+
+
+def _rough_grid(grey: Array, target: TargetParams, coded: CodedBoard) -> tuple[Array, Array, Array] | None:
+    """Return points of the board, their places and the distance to what is near, px, of a grid of markers."""
+    corners, ids = _detect(grey, coded.dictionary)
+    mine = ids < target.columns * target.rows
+    corners, ids = corners[mine], ids[mine]
+    if len(ids) == 0:
+        return None
+    point = (4 * ids[:, None] + np.arange(4)).ravel()
+    side = np.repeat(np.hypot(*(corners[:, 1] - corners[:, 0]).T), 4)
+    gap = max(target.square_mm / coded.marker_mm - 1.0, 0.1) * side
+    return point, corners.reshape(-1, 2), np.minimum(0.4 * side, 2.0 * gap)
+
+
+def _rough_charuco(grey: Array, target: TargetParams, coded: CodedBoard) -> tuple[Array, Array, Array] | None:
+    """Return the same of a chessboard with markers: the window must not reach them, half a gap from the corner."""
+    found, ids, _, _ = cv2.aruco.CharucoDetector(coded.charuco(target)).detectBoard(grey)
+    if ids is None or len(ids) < 4:
+        return None
+    places = np.asarray(found, dtype=np.float64).reshape(-1, 2)
+    gap = 1.0 - coded.marker_mm / target.square_mm
+    return np.asarray(ids).ravel(), places, neighbour_distance(places) * min(1.0, 1.4 * gap)
 
 
 def _detect(grey: Array, dictionary: str) -> tuple[Array, Array]:
@@ -146,7 +156,7 @@ def _detect(grey: Array, dictionary: str) -> tuple[Array, Array]:
     corners, ids, _ = detector.detectMarkers(grey)
     if ids is None:
         return np.zeros((0, 4, 2)), np.zeros(0, dtype=np.int64)
-    return np.array(corners, dtype=np.float64).reshape(-1, 4, 2), ids.ravel().astype(np.int64)
+    return np.array(corners, dtype=np.float64).reshape(-1, 4, 2), np.array(ids, dtype=np.int64).ravel()
 
 
 def _dictionary(greys: Sequence[Array], target: TargetParams) -> str | None:
@@ -175,10 +185,10 @@ def _fit(grey: Array, target: TargetParams, coded: CodedBoard) -> tuple[float, f
     The centres do not depend on the side, so a homography through them tells the side from the corners.
     """
     corners, ids = _detect(grey, coded.dictionary)
-    board = coded.board(target)
+    board = coded.grid(target) if coded.markers_only else coded.charuco(target)
     known = {
         int(number): np.asarray(place)[:, :2].mean(axis=0)
-        for number, place in zip(board.getIds().ravel(), board.getObjPoints(), strict=True)
+        for number, place in zip(np.asarray(board.getIds()).ravel(), board.getObjPoints(), strict=True)
     }
     mine = np.array([int(number) in known for number in ids], dtype=bool)
     if mine.sum() < 4:
