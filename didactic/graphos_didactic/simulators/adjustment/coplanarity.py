@@ -32,10 +32,7 @@ from graphos_didactic.scene import (
 from graphos_didactic.simulator import Preset, Setting, Step, simulator
 from graphos_didactic.simulators.adjustment.coplanarity_model import (
     FOLDS,
-    HALF_HEIGHT,
-    HALF_WIDTH,
     HEIGHT,
-    NEAR,
     WIDTH,
     TwoPhotos,
     errors_of_folds,
@@ -46,12 +43,11 @@ from graphos_didactic.simulators.adjustment.coplanarity_space import (
     four_marks,
     space_handles,
     space_marks,
-    wall_outline,
 )
 from graphos_didactic.simulators.adjustment.coplanarity_tasks import PREDICTION, coplanarity_task
 from graphos_didactic.simulators.format_edges import line_in_format
 from graphos_didactic.simulators.observed_space import space_panel
-from graphos_didactic.simulators.pictured_plane import BESIDE, Plane, photo_or_simulated, photograph
+from graphos_didactic.simulators.pictured_plane import photo_or_simulated
 
 TALL = 12.0
 """End of the axis of errors, degrees."""
@@ -152,7 +148,7 @@ def _photos(pair: TwoPhotos, setting: Setting, last: int) -> list[AnyMark]:
     for i, (name, role, _) in enumerate(LOOKS):
         panel, pixels = f"photo_{name}", pair.pixels[i]
         if not pair.params.photo:
-            wall = (wall_outline(pair) - pair.centres[i]) @ pair.rotations[i].T
+            wall = (pair.wall.outline() - pair.centres[i]) @ pair.rotations[i].T
             marks.append(
                 Line(panel=panel, thing="wall", role="muted", xy=pixel_from_ray(pair.camera, wall), width=1.0)
             )
@@ -190,17 +186,9 @@ def _photos(pair: TwoPhotos, setting: Setting, last: int) -> list[AnyMark]:
 def _pictures(pair: TwoPhotos, setting: Setting) -> list[AnyMark]:
     """Return what both cameras see of a photo on the two halves of the wall."""
     picture, _ = photo_or_simulated(setting)
-    half, far = picture.shape[1] // 2, NEAR + pair.params.fold
-    down, w, h = np.array([0.0, 0.0, -2.0 * HALF_HEIGHT]), HALF_WIDTH, HALF_HEIGHT
-    left = Plane(np.array([-w, far, h]), np.array([w, NEAR - far, 0.0]), down)
-    right = Plane(np.array([0.0, NEAR, h]), np.array([w, far - NEAR, 0.0]), down)
     marks: list[AnyMark] = []
     for i, (name, _, _) in enumerate(LOOKS):
-        eye = pair.camera, pair.rotations[i], pair.centres[i]
-        seen = photograph(*eye, left, np.ascontiguousarray(picture[:, :half]), columns=300).copy()
-        other = photograph(*eye, right, np.ascontiguousarray(picture[:, half:]), columns=300)
-        hit = (other != np.array(BESIDE, dtype=np.uint8)).any(axis=2)
-        seen[hit] = other[hit]
+        seen = pair.wall.photographed(pair.camera, pair.rotations[i], pair.centres[i], picture, 300)
         marks.append(Picture(panel=f"photo_{name}", thing="wall", pixels=seen,
                              extent=(-0.5, -0.5, WIDTH - 0.5, HEIGHT - 0.5)))  # fmt: skip
     return marks

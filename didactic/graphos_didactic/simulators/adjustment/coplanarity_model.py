@@ -26,11 +26,10 @@ from graphos_core.geometry.epipolar import relative_orientation as relative_of_e
 from graphos_core.geometry.relative_orientation import depths, relative_orientation
 from graphos_core.geometry.rotation import angle_between, look_at
 from graphos_didactic.simulators.adjustment.coplanarity_params import CoplanarityParams
+from graphos_didactic.simulators.folded_wall import FoldedWall
 
 WIDTH, HEIGHT, FOCAL = 1200, 900, 1250.0
 """Format and principal distance of both cameras, px."""
-NEAR, HALF_WIDTH, HALF_HEIGHT = 5.0, 2.3, 1.7
-"""Distance of the fold from camera A, half the width and half the height of the wall, m."""
 FOLDS = np.array([0.0, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0])
 """Depths of the object at which the errors are shown, m."""
 
@@ -63,14 +62,15 @@ class TwoPhotos:
         ahead = np.array([np.sin(turn) * np.cos(tilt), np.cos(turn) * np.cos(tilt), np.sin(tilt)])
         return np.stack([look_at(self.centres[0], np.array([0.0, 1, 0])), look_at(self.centres[1], self.centres[1] + ahead)])  # fmt: skip
 
+    @property
+    def wall(self) -> FoldedWall:
+        """The object."""
+        return FoldedWall(self.params.fold)
+
     @cached_property
     def points(self) -> Array:
         """Points on the wall, float64 (n, 3), m; the first is near its middle."""
-        draw = np.random.default_rng(self.params.seed)
-        across = draw.uniform(-HALF_WIDTH, HALF_WIDTH, self.params.count)
-        up = draw.uniform(-HALF_HEIGHT, HALF_HEIGHT, self.params.count)
-        across[0], up[0] = 0.4 * across[0], 0.4 * up[0]
-        return np.stack([across, NEAR + self.params.fold * np.abs(across) / HALF_WIDTH, up], axis=1)
+        return self.wall.points(self.params.count, self.params.seed)
 
     @cached_property
     def true_pixels(self) -> Array:

@@ -9,9 +9,6 @@ from graphos_core.data.record import Array
 from graphos_core.geometry.relative_orientation import depths
 from graphos_didactic.scene import AnyMark, Dash, Handle, Line, Points, Polygon, Role, Words
 from graphos_didactic.simulators.adjustment.coplanarity_model import (
-    HALF_HEIGHT,
-    HALF_WIDTH,
-    NEAR,
     Relative,
     TwoPhotos,
 )
@@ -25,20 +22,11 @@ def observer(pair: TwoPhotos) -> Observer:
     return Observer(np.array([0.2, 3.2, 0.0]), 13.0, pair.params.orbit, 30.0, 500.0)
 
 
-def wall_outline(pair: TwoPhotos) -> Array:
-    """Return the border and the fold of the wall, float64 (8, 3), m, parts separated by a row of NaN."""
-    far = NEAR + pair.params.fold
-    w, h = HALF_WIDTH, HALF_HEIGHT
-    top = [[-w, far, h], [0, NEAR, h], [w, far, h]]
-    bottom = [[w, far, -h], [0, NEAR, -h], [-w, far, -h]]
-    return np.array([*top, *bottom, [-w, far, h], [np.nan] * 3, [0, NEAR, h], [0, NEAR, -h]])
-
-
 def space_marks(pair: TwoPhotos, last: int) -> list[AnyMark]:
     """Return wall, photos, base, the rays of point 1 and, from step 1 on, their plane and the gap between them."""
     view = observer(pair)
     marks: list[AnyMark] = [
-        Line(panel="space", thing="wall", role="muted", xy=view.seen(wall_outline(pair)), width=1.2)
+        Line(panel="space", thing="wall", role="muted", xy=view.seen(pair.wall.outline()), width=1.2)
     ]
     if last >= 2:
         marks.append(
