@@ -3,13 +3,19 @@
 The camera frame is x right, y down, z forward; pixels have the centre of the top-left pixel at (0, 0).
 """
 
+from graphos_core.cameras.chain import as_measured, pre_corrected
+from graphos_core.cameras.conversion import Conversion, as_model, convert
 from graphos_core.cameras.model import (
     CameraModel,
     Parameter,
     camera_model,
     camera_models,
+    derivatives,
     pixel_from_ray,
     ray_from_pixel,
 )
 
-__all__ = ["CameraModel", "Parameter", "camera_model", "camera_models", "pixel_from_ray", "ray_from_pixel"]
+__all__ = [
+    "CameraModel", "Conversion", "Parameter", "as_measured", "as_model", "camera_model", "camera_models", "convert",
+    "derivatives", "pixel_from_ray", "pre_corrected", "ray_from_pixel",
+]  # fmt: skip

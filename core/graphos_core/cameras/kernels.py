@@ -50,6 +50,27 @@ def project_many(code: int, values: Array, points: Array) -> Array:
 
 
 @njit(cache=True, nogil=True)
+def differentiate_many(code: int, values: Array, points: Array) -> tuple[Array, Array, Array]:
+    """Project (n, 3) points with derivatives: (n, 2) pixels, (n, 2, 3) by the point and (n, 2, k) by the values.
+
+    NaN where there is no image.
+    """
+    n = points.shape[0]
+    pixels = np.full((n, 2), np.nan)
+    by_point = np.full((n, 2, 3), np.nan)
+    by_values = np.full((n, 2, values.shape[0]), np.nan)
+    pixel = np.empty(2)
+    d_point = np.empty((2, 3))
+    d_values = np.empty((2, values.shape[0]))
+    for i in range(n):
+        if project(code, values, points[i, 0], points[i, 1], points[i, 2], pixel, d_point, d_values):
+            pixels[i] = pixel
+            by_point[i] = d_point
+            by_values[i] = d_values
+    return pixels, by_point, by_values
+
+
+@njit(cache=True, nogil=True)
 def unproject_many(code: int, values: Array, pixels: Array) -> Array:
     """Invert `project_many` for (n, 2) pixels by Newton's method with step halving; (n, 3) directions."""
     n = pixels.shape[0]

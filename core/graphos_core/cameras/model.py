@@ -172,7 +172,7 @@ def camera_model(name: str) -> CameraModel:
 
 
 def pixel_from_ray(camera: Camera, points: Array) -> Array:
-    """Project points of the camera frame into the photo.
+    """Project points of the camera frame into the photo, through the whole chain of the camera.
 
     Parameters
     ----------
@@ -185,10 +185,12 @@ def pixel_from_ray(camera: Camera, points: Array) -> Array:
     float64 (n, 2)
         Pixels; NaN for points that have no image.
     """
-    from graphos_core.cameras.kernels import project_many
+    pixels = last_pixel_from_ray(camera, points)
+    if camera.before:
+        from graphos_core.cameras.chain import as_measured
 
-    points = np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 3)
-    return project_many(camera_model(camera.model).code, _values(camera), points)
+        return as_measured(camera, pixels)
+    return pixels
 
 
 def ray_from_pixel(camera: Camera, pixels: Array) -> Array:
@@ -206,6 +208,23 @@ def ray_from_pixel(camera: Camera, pixels: Array) -> Array:
         models. NaN where the inversion does not converge, which happens outside the part of the format that the
         distortion maps one to one.
     """
+    if camera.before:
+        from graphos_core.cameras.chain import pre_corrected
+
+        pixels = pre_corrected(camera, pixels)
+    return last_ray_from_pixel(camera, pixels)
+
+
+def last_pixel_from_ray(camera: Camera, points: Array) -> Array:
+    """Project by the camera's own model alone, without `Camera.before`; else as `pixel_from_ray`."""
+    from graphos_core.cameras.kernels import project_many
+
+    points = np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 3)
+    return project_many(camera_model(camera.model).code, _values(camera), points)
+
+
+def last_ray_from_pixel(camera: Camera, pixels: Array) -> Array:
+    """Invert the camera's own model alone, without `Camera.before`; else as `ray_from_pixel`."""
     from graphos_core.cameras.kernels import unproject_many, unproject_wide
     from graphos_core.cameras.projections import ideal_direction
 
@@ -215,6 +234,28 @@ def ray_from_pixel(camera: Camera, pixels: Array) -> Array:
         return unproject_many(model.code, values, pixels)
     start = ideal_direction(model.projection, (pixels - values[1:3]) / values[0])
     return unproject_wide(model.code, values, pixels, start)
+
+
+def derivatives(camera: Camera, points: Array) -> tuple[Array, Array, Array]:
+    """Project by the camera's own model, without `Camera.before`, and return the derivatives of the pixels.
+
+    Parameters
+    ----------
+    camera : Camera
+    points : float64 (n, 3)
+
+    Returns
+    -------
+    pixels : float64 (n, 2)
+    by_point : float64 (n, 2, 3)
+        ∂pixel/∂point, px per unit of the points.
+    by_values : float64 (n, 2, k)
+        ∂pixel/∂values in the order of the model.
+    """
+    from graphos_core.cameras.kernels import differentiate_many
+
+    points = np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 3)
+    return differentiate_many(camera_model(camera.model).code, _values(camera), points)
 
 
 def _values(camera: Camera) -> Array:

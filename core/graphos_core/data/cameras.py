@@ -28,6 +28,10 @@ class Camera:
         True while the principal distance is a guess and neither given, from EXIF, nor adjusted.
     focal_source : str
         Where the principal distance came from, in words.
+    before : tuple of Camera
+        Fixed pre-corrections, applied to measured pixels in this order: each takes away the distortion of its model
+        and keeps its principal distance and principal point (`graphos_core.cameras.chain`). The camera's own model
+        describes what is left.
     """
 
     model: str
@@ -39,6 +43,7 @@ class Camera:
     pixel_pitch_mm: float | None = None
     focal_estimated: bool = False
     focal_source: str = ""
+    before: tuple[Camera, ...] = ()
 
     @property
     def focal_px(self) -> float:
