@@ -1,0 +1,333 @@
+"""Conversion between other programs' camera formulas and our camera models, by fitting over the format.
+
+A conversion is never a sign flip or a list of renamed coefficients: the parameters of the target are fitted to the
+positions of a grid of pixels, so whatever the target can express comes out exactly (to rounding), and what it cannot is
+a residual in px at every pixel of the grid. Parameters that the target cannot separate (a distortion centre without
+distortion) stay where the fit starts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+
+from graphos_core.cameras import camera_model, camera_models, pixel_from_ray, ray_from_pixel
+from graphos_core.data import Array, Camera
+from graphos_core.errors import UserError
+from graphos_core.exchange.formulas import ForeignCamera, Format, Formula, formula
+from graphos_core.text import Text
+
+EXACT_PX = 1e-6
+"""Largest residual over the format of a conversion that is called exact, px."""
+
+POINTS = 25
+"""Pixels of the grid along each side of the format."""
+
+WRONG_PX = 1e4
+"""Residual of a grid point that a trial camera gives no image, px."""
+
+Target = TypeVar("Target")
+
+
+@dataclass(frozen=True)
+class Conversion(Generic[Target]):
+    """A converted camera and what is left over.
+
+    Attributes
+    ----------
+    camera : Camera or ForeignCamera
+    pixels : float64 (n, 2)
+        Grid over the format, px; only pixels that the source maps one to one.
+    residuals : float64 (n, 2)
+        Position in the target − position in the source of the same direction, px.
+    without_image : int
+        Pixels of the grid that have no direction in the source or no image in the target.
+    """
+
+    camera: Target
+    pixels: Array
+    residuals: Array
+    without_image: int
+
+    @property
+    def max_px(self) -> float:
+        """Largest distance, px; 0 for an empty grid."""
+        return float(np.hypot(*self.residuals.T).max(initial=0.0))
+
+    @property
+    def rms_px(self) -> float:
+        """Root mean square per coordinate, px."""
+        return float(np.sqrt((self.residuals**2).mean())) if self.residuals.size else 0.0
+
+    @property
+    def exact(self) -> bool:
+        """Whether the target expresses the source."""
+        return self.max_px <= EXACT_PX
+
+    def says(self, source: str, target: str) -> str:
+        """Say in one sentence what the conversion costs."""
+        if self.exact:
+            return Text("{source} → {target}: exact (largest difference {px:.1e} px over the format).",
+                        source=source, target=target, px=self.max_px)  # fmt: skip
+        return Text(
+            "{source} → {target}: approximated; differences up to {worst:.3g} px, RMS {rms:.3g} px per coordinate.",
+            source=source, target=target, worst=self.max_px, rms=self.rms_px,
+        )  # fmt: skip
+
+
+def pixel_grid(frame: Format, points: int = POINTS) -> Array:
+    """Return pixels (points², 2) over the whole format, corner to corner."""
+    x = np.linspace(-0.5, frame.width - 0.5, points)
+    y = np.linspace(-0.5, frame.height - 0.5, points)
+    return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+
+
+def format_of(camera: Camera) -> Format:
+    """Return the format of a camera of ours.
+
+    Raises
+    ------
+    UserError
+        When the format is unknown: a conversion needs to know where it has to hold.
+    """
+    if camera.width <= 0 or camera.height <= 0:
+        raise UserError(
+            Text("The camera {name} cannot be converted.", name=camera.label or camera.model),
+            "Its format in pixels is not known, and a conversion is fitted over the format.",
+            "Give the width and height of its photos.",
+        )
+    return Format(camera.width, camera.height, camera.pixel_pitch_mm)
+
+
+def to_foreign(camera: Camera, name: str) -> Conversion[ForeignCamera]:
+    """Convert a camera of ours to a formula of another program.
+
+    Raises
+    ------
+    UserError
+        When the formula needs the pixel size and the camera has none, or the format is unknown.
+    """
+    target, frame = formula(name), format_of(camera)
+    if target.needs_pitch and frame.pitch_mm is None:
+        raise UserError(
+            Text("The camera cannot be written in millimetres for {name}.", name=name),
+            "The size of its pixels on the sensor is not known.",
+            "Give the pixel size, or the size of the sensor.",
+        )
+    pixels = pixel_grid(frame)
+    rays = ray_from_pixel(camera, pixels)
+    seen = np.isfinite(rays).all(axis=1)
+    start = target.start(camera.focal_px, _principal(camera), frame)
+    free = np.array([p not in target.constants for p in target.parameters])
+    values = _fit(_foreign_residual(target, frame, camera, pixels[seen], rays[seen]), start, free)
+    made = ForeignCamera(name, values, frame, camera.label)
+    left = _difference(target, made, camera, pixels[seen], rays[seen])
+    good = np.isfinite(left).all(axis=1)
+    return Conversion(made, pixels[seen][good], left[good], len(pixels) - int(good.sum()))
+
+
+def from_foreign(source: ForeignCamera, model: str = "") -> Conversion[Camera]:
+    """Convert a camera of another program to one of our models.
+
+    Parameters
+    ----------
+    source : ForeignCamera
+    model : str
+        Name of our model; empty for the one with the fewest parameters that expresses the source, or the best one.
+
+    Raises
+    ------
+    UserError
+        When no model can be fitted at all.
+    """
+    pixels = pixel_grid(source.frame)
+    rays = foreign_rays(source, pixels)
+    seen = np.isfinite(rays).all(axis=1)
+    if seen.sum() < 20:
+        raise UserError(
+            Text("The camera {name} cannot be converted.", name=source.label or source.formula),
+            "Its formula gives hardly any pixel of the format a direction.",
+            "Check its parameters.",
+        )
+    names = [model] if model else sorted(camera_models(), key=lambda n: len(camera_model(n).parameters))
+    best: Conversion[Camera] | None = None
+    for name in names:
+        found = _fit_ours(source, name, pixels[seen], rays[seen], len(pixels))
+        if best is None or (found.without_image, found.rms_px) < (best.without_image, 0.999 * best.rms_px):
+            best = found
+        if best.exact and best.without_image <= len(pixels) - int(seen.sum()):
+            break
+    assert best is not None
+    return best
+
+
+def foreign_rays(source: ForeignCamera, pixels: Array) -> Array:
+    """Return the direction (n, 3) of every pixel by a program's own formula; NaN where it has none."""
+    f = formula(source.formula)
+    if f.direction == "measured → ideal":
+        return f.function(source.values, source.frame, pixels)
+    return _directions(_invert(lambda a: f.function(source.values, source.frame, _directions(a, f.wide)), pixels),
+                       f.wide)  # fmt: skip
+
+
+def foreign_pixels(source: ForeignCamera, rays: Array) -> Array:
+    """Return the pixel (n, 2) of every direction by a program's own formula; NaN where it has none."""
+    f = formula(source.formula)
+    if f.direction == "ideal → measured":
+        return f.function(source.values, source.frame, np.asarray(rays, dtype=np.float64))
+    target = np.asarray(rays)[:, :2] / np.asarray(rays)[:, 2:]
+
+    def ideal(pixels: Array) -> Array:
+        out = f.function(source.values, source.frame, pixels)
+        return out[:, :2] / out[:, 2:]
+
+    return _invert(ideal, target, around=source.frame.centre, step=1e-3)
+
+
+def _principal(camera: Camera) -> Array:
+    names = camera_model(camera.model).names
+    return np.array([camera.values[names.index("x0")], camera.values[names.index("y0")]])
+
+
+def _foreign_residual(
+    target: Formula, frame: Format, camera: Camera, pixels: Array, rays: Array
+) -> Callable[[Array], Array]:
+    """Return residuals in px for trial values: in the image for a forward formula, else in the ideal image."""
+    if target.direction == "ideal → measured":
+        return lambda values: target.function(values, frame, rays) - pixels
+    ideal = rays[:, :2] / rays[:, 2:]
+
+    def backward(values: Array) -> Array:
+        found = target.function(values, frame, pixels)
+        difference: Array = (found[:, :2] / found[:, 2:] - ideal) * camera.focal_px
+        return difference
+
+    return backward
+
+
+def _difference(target: Formula, made: ForeignCamera, camera: Camera, pixels: Array, rays: Array) -> Array:
+    """Return position in the target − in the source, px; of a backward formula with its direction seen by ours."""
+    if target.direction == "ideal → measured":
+        return target.function(made.values, made.frame, rays) - pixels
+    return pixels - pixel_from_ray(camera, target.function(made.values, made.frame, pixels))
+
+
+def _fit_ours(source: ForeignCamera, name: str, pixels: Array, rays: Array, count: int) -> Conversion[Camera]:
+    model = camera_model(name)
+    focal, principal = _focal_and_principal(pixels, rays, source.frame)
+    start = np.zeros(len(model.parameters))
+    start[:3] = [focal, *principal]
+    camera = Camera(
+        model=name, width=source.frame.width, height=source.frame.height, values=start, label=source.label,
+        pixel_pitch_mm=source.frame.pitch_mm, focal_source=source.formula,
+    )  # fmt: skip
+
+    def residual(values: Array) -> Array:
+        return pixel_from_ray(replace(camera, values=values), rays) - pixels
+
+    camera = replace(camera, values=_fit(residual, start, np.ones(len(start), dtype=bool)))
+    left = pixel_from_ray(camera, rays) - pixels
+    good = np.isfinite(left).all(axis=1)
+    return Conversion(camera, pixels[good], left[good], count - int(good.sum()))
+
+
+def _focal_and_principal(pixels: Array, rays: Array, frame: Format) -> tuple[float, Array]:
+    """Return a start from the pixels nearest to the image centre: pixel ≈ principal point + focal · (x/z, y/z)."""
+    near = np.argsort(np.hypot(*(pixels - frame.centre).T))[:30]
+    ideal = rays[near, :2] / rays[near, 2:]
+    table = np.zeros((2 * len(near), 3))
+    table[0::2, 0], table[1::2, 0] = ideal[:, 0], ideal[:, 1]
+    table[0::2, 1] = table[1::2, 2] = 1.0
+    focal, x0, y0 = np.linalg.lstsq(table, pixels[near].ravel(), rcond=None)[0]
+    return float(abs(focal)), np.array([x0, y0])
+
+
+def _fit(residual: Callable[[Array], Array], start: Array, free: Array) -> Array:
+    """Return the values that make the residuals smallest, from `start`, by scipy's trust-region reflective method.
+
+    Unknowns are scaled so that each moves the grid by about a pixel: coefficients of px⁻⁶ stand beside lengths in px.
+    """
+    from scipy.optimize import least_squares
+
+    values = np.array(start, dtype=np.float64)
+
+    def of_values(trial: Array) -> Any:
+        out = residual(trial).ravel()
+        return np.where(np.isfinite(out), np.clip(out, -WRONG_PX, WRONG_PX), WRONG_PX)
+
+    which = np.flatnonzero(free)
+    scale = np.array([_pixel_step(of_values, values, i) for i in which])
+
+    def of_unknowns(unknowns: Array) -> Any:
+        trial = values.copy()
+        trial[which] += scale * unknowns
+        return of_values(trial)
+
+    found = least_squares(
+        of_unknowns, np.zeros(len(which)), jac="3-point", ftol=1e-15, xtol=1e-15, gtol=1e-15, max_nfev=60
+    )
+    values[which] += scale * found.x
+    return values
+
+
+def _pixel_step(residual: Callable[[Array], Array], values: Array, i: int) -> float:
+    """Return the step of one unknown that moves the grid by 0.1 to 10 px RMS; 1 where nothing moves it."""
+    before, step = residual(values), 1.0
+    for _ in range(80):
+        trial = values.copy()
+        trial[i] += step
+        moved = float(np.sqrt(((residual(trial) - before) ** 2).mean()))
+        if 0.1 <= moved <= 10.0:
+            return step
+        if moved < 1e-12 and step >= 1e3:
+            return 1.0
+        step *= 10.0 if moved < 0.1 else 0.1
+    return 1.0
+
+
+def _directions(a: Array, wide: bool) -> Array:
+    """Return directions (n, 3) from two coordinates: x/z, y/z, or for a fish-eye the angle from the axis, radians."""
+    if not wide:
+        return np.column_stack([a, np.ones(len(a))])
+    angle = np.hypot(a[:, 0], a[:, 1])
+    scale = np.where(angle > 1e-12, np.sin(angle) / np.maximum(angle, 1e-300), 1.0)
+    return np.column_stack([a * scale[:, None], np.cos(angle)])
+
+
+def _invert(
+    function: Callable[[Array], Array], wanted: Array, *, around: Array | None = None, step: float = 1e-6
+) -> Array:
+    """Solve ``function(a) = wanted`` for every row by Newton's method with step halving; NaN where it fails."""
+    here = (
+        np.zeros_like(wanted)
+        if around is None
+        else np.broadcast_to(around, wanted.shape).astype(np.float64).copy()
+    )
+    scale = np.abs(wanted).max(initial=1.0)
+    error = function(here) - wanted
+    for _ in range(60):
+        if np.nanmax(np.abs(error), initial=0.0) < 1e-13 * scale:
+            break
+        jx = (function(here + [step, 0]) - function(here - [step, 0])) / (2 * step)
+        jy = (function(here + [0, step]) - function(here - [0, step])) / (2 * step)
+        det = jx[:, 0] * jy[:, 1] - jx[:, 1] * jy[:, 0]
+        move = np.column_stack(
+            [jy[:, 1] * error[:, 0] - jy[:, 0] * error[:, 1], jx[:, 0] * error[:, 1] - jx[:, 1] * error[:, 0]]
+        ) / np.where(det == 0, np.nan, det)[:, None]  # fmt: skip
+        size = np.ones(len(here))
+        for _ in range(8):
+            trial = here - size[:, None] * move
+            after = function(trial) - wanted
+            worse = ~(np.abs(after).sum(axis=1) <= np.abs(error).sum(axis=1))
+            if not worse.any():
+                break
+            size = np.where(worse, size / 2, size)
+        keep = ~worse
+        here[keep], error[keep] = trial[keep], after[keep]
+        if not keep.any():
+            break
+    done = np.abs(error).max(axis=1) < 1e-9 * scale
+    return np.where(done[:, None], here, np.nan)
