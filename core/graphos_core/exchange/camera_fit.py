@@ -26,8 +26,14 @@ EXACT_PX = 1e-6
 POINTS = 25
 """Pixels of the grid along each side of the format."""
 
+MANY = 20
+"""Unknowns beyond which derivatives are taken one-sided: general polynomials, which are nearly linear in them."""
+
 WRONG_PX = 1e4
 """Residual of a grid point that a trial camera gives no image, px."""
+
+FISHEYES = ("equidistant", "equisolid")
+"""Projections of our models that take directions beyond 90° from the axis."""
 
 Target = TypeVar("Target")
 
@@ -119,7 +125,7 @@ def to_foreign(camera: Camera, name: str) -> Conversion[ForeignCamera]:
         )
     pixels = pixel_grid(frame)
     rays = ray_from_pixel(camera, pixels)
-    seen = np.isfinite(rays).all(axis=1)
+    seen = np.isfinite(rays).all(axis=1) & (target.wide | (rays[:, 2] > 0))
     start = target.start(camera.focal_px, _principal(camera), frame)
     free = np.array([p not in target.constants for p in target.parameters])
     values = _fit(_foreign_residual(target, frame, camera, pixels[seen], rays[seen]), start, free)
@@ -152,7 +158,7 @@ def from_foreign(source: ForeignCamera, model: str = "") -> Conversion[Camera]:
             "Its formula gives hardly any pixel of the format a direction.",
             "Check its parameters.",
         )
-    names = [model] if model else sorted(camera_models(), key=lambda n: len(camera_model(n).parameters))
+    names = [model] if model else _candidates(source)
     best: Conversion[Camera] | None = None
     for name in names:
         found = _fit_ours(source, name, pixels[seen], rays[seen], len(pixels))
@@ -162,6 +168,17 @@ def from_foreign(source: ForeignCamera, model: str = "") -> Conversion[Camera]:
             break
     assert best is not None
     return best
+
+
+def _candidates(source: ForeignCamera) -> list[str]:
+    """Return our models that may express a formula: those of its direction first, fewest parameters first."""
+    f = formula(source.formula)
+    projections = FISHEYES if f.wide or "FishEye" in f.name else ("central",)
+    names = [m.name for m in camera_models().values() if m.projection in projections]
+    if "PolyDeg" not in source.formula:
+        names = [n for n in names if not n.startswith(("polynomial", "ebner"))]
+    other = {n: camera_model(n).backward != (f.direction == "measured → ideal") for n in names}
+    return sorted(names, key=lambda n: (other[n], len(camera_model(n).parameters)))
 
 
 def foreign_rays(source: ForeignCamera, pixels: Array) -> Array:
@@ -218,7 +235,8 @@ def _difference(target: Formula, made: ForeignCamera, camera: Camera, pixels: Ar
 def _fit_ours(source: ForeignCamera, name: str, pixels: Array, rays: Array, count: int) -> Conversion[Camera]:
     model = camera_model(name)
     focal, principal = _focal_and_principal(pixels, rays, source.frame)
-    start = np.zeros(len(model.parameters))
+    constant = np.array([p.default == "constant" for p in model.parameters])
+    start = np.where(constant, max(source.frame.width, source.frame.height) / 2.0, 0.0)
     start[:3] = [focal, *principal]
     camera = Camera(
         model=name, width=source.frame.width, height=source.frame.height, values=start, label=source.label,
@@ -228,7 +246,7 @@ def _fit_ours(source: ForeignCamera, name: str, pixels: Array, rays: Array, coun
     def residual(values: Array) -> Array:
         return pixel_from_ray(replace(camera, values=values), rays) - pixels
 
-    camera = replace(camera, values=_fit(residual, start, np.ones(len(start), dtype=bool)))
+    camera = replace(camera, values=_fit(residual, start, ~constant))
     left = pixel_from_ray(camera, rays) - pixels
     good = np.isfinite(left).all(axis=1)
     return Conversion(camera, pixels[good], left[good], count - int(good.sum()))
@@ -259,16 +277,18 @@ def _fit(residual: Callable[[Array], Array], start: Array, free: Array) -> Array
         return np.where(np.isfinite(out), np.clip(out, -WRONG_PX, WRONG_PX), WRONG_PX)
 
     which = np.flatnonzero(free)
-    scale = np.array([_pixel_step(of_values, values, i) for i in which])
+    scale = np.array([_pixel_step(of_values, values, i) for i in which.tolist()])
 
     def of_unknowns(unknowns: Array) -> Any:
         trial = values.copy()
         trial[which] += scale * unknowns
         return of_values(trial)
 
+    many = len(which) > MANY
     found = least_squares(
-        of_unknowns, np.zeros(len(which)), jac="3-point", ftol=1e-15, xtol=1e-15, gtol=1e-15, max_nfev=60
-    )
+        of_unknowns, np.zeros(len(which)), jac="2-point" if many else "3-point",
+        ftol=1e-12, xtol=1e-15, gtol=1e-15, max_nfev=15 if many else 60,
+    )  # fmt: skip
     values[which] += scale * found.x
     return values
 
@@ -306,13 +326,14 @@ def _invert(
         if around is None
         else np.broadcast_to(around, wanted.shape).astype(np.float64).copy()
     )
+    along_x, along_y = np.array([step, 0.0]), np.array([0.0, step])
     scale = np.abs(wanted).max(initial=1.0)
     error = function(here) - wanted
     for _ in range(60):
         if np.nanmax(np.abs(error), initial=0.0) < 1e-13 * scale:
             break
-        jx = (function(here + [step, 0]) - function(here - [step, 0])) / (2 * step)
-        jy = (function(here + [0, step]) - function(here - [0, step])) / (2 * step)
+        jx = (function(here + along_x) - function(here - along_x)) / (2 * step)
+        jy = (function(here + along_y) - function(here - along_y)) / (2 * step)
         det = jx[:, 0] * jy[:, 1] - jx[:, 1] * jy[:, 0]
         move = np.column_stack(
             [jy[:, 1] * error[:, 0] - jy[:, 0] * error[:, 1], jx[:, 0] * error[:, 1] - jx[:, 1] * error[:, 0]]

@@ -9,10 +9,8 @@ import numpy as np
 
 from graphos_core.data import Array
 from graphos_core.errors import UserError
+from graphos_core.exchange.formulas import formulas
 from graphos_core.text import Text
-
-PARAMETERS = {"SIMPLE_PINHOLE": 3, "PINHOLE": 4, "SIMPLE_RADIAL": 4, "RADIAL": 5}
-"""Number of parameters of each supported camera model."""
 
 
 @dataclass(frozen=True)
@@ -90,17 +88,30 @@ def _lines(path: Path, *, keep_empty: bool = False) -> list[tuple[int, str]]:
 
 def _camera(words: list[str]) -> tuple[int, tuple[str, int, int, tuple[float, ...]]]:
     model = words[1]
-    if model not in PARAMETERS:
-        raise UserError(
-            Text("The COLMAP camera model {model} is not supported.", model=model[:40]),
-            Text("Supported are {names}.", names=", ".join(PARAMETERS)),
-            "Reconstruct again with one of these models.",
-        )
-    values = _numbers(words[4 : 4 + PARAMETERS[model]])
+    count = parameter_count(model)
+    values = _numbers(words[4 : 4 + count])
     width, height = int(words[2]), int(words[3])
-    if len(values) != PARAMETERS[model] or width <= 0 or height <= 0 or values[0] <= 0:
+    if len(values) != count or width <= 0 or height <= 0 or values[0] <= 0:
         raise ValueError(words)
     return int(words[0]), (model, width, height, values)
+
+
+def parameter_count(model: str) -> int:
+    """Return the number of parameters of one of COLMAP's camera models.
+
+    Raises
+    ------
+    UserError
+        When it is not supported.
+    """
+    known = {name.split()[1]: f for name, f in formulas().items() if name.startswith("colmap ")}
+    if model not in known:
+        raise UserError(
+            Text("The COLMAP camera model {model} is not supported.", model=model[:40]),
+            Text("Supported are {names}.", names=", ".join(known)),
+            "Reconstruct again with one of these models.",
+        )
+    return len(known[model].parameters)
 
 
 def _image(head: str, points: str) -> Image:

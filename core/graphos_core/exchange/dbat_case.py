@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -185,9 +185,10 @@ def assemble(
         rotations=start[0], centres=start[1], points=points,
         colours=np.full((len(points), 3), 128, dtype=np.uint8),
         point_track=np.array(kept, dtype=np.int32), obs_photo=photo, obs_point=point, obs_xy=xy, unit="m",
+        obs_sigma_px=sigma,
     )  # fmt: skip
     return DbatCase(
-        name, block, camera, estimated, control, labels, control_sigma,
+        name, block, camera, estimated, replace(control, sigma=control_sigma), labels, control_sigma,
         np.array([place.get(int(key), -1) for key in control.names]), sigma,
     )  # fmt: skip
 

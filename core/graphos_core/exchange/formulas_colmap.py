@@ -13,6 +13,9 @@ import numpy as np
 from graphos_core.data import Array
 from graphos_core.exchange.formulas import CORNER, Format, Formula, fisheye, perspective, radial, register
 
+HALF_RADIAN = 0.5
+"""Where a fit of the field-of-view model starts."""
+
 Distort = Callable[[Array, Array, Array], Array]
 """``(coefficients, u, v) -> (n, 2)``: distorted normalised coordinates."""
 
@@ -71,7 +74,8 @@ def _make(
 
     def start(focal: float, principal: Array, _format: Format) -> Array:
         focals = [focal, focal] if two else [focal]
-        return np.array([*focals, *(np.asarray(principal) + shift), *[0.0] * len(extra)])
+        first = HALF_RADIAN if extra == ("omega",) else 0.0  # at 0 nothing tells which way to go
+        return np.array([*focals, *(np.asarray(principal) + shift), *[first] * len(extra)])
 
     register(Formula(name, (*heads, *extra), "ideal → measured", function, start, wide))
 

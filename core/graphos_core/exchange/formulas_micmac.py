@@ -1,7 +1,7 @@
 """Camera models of MicMac (Apero), convention ``eConvApero_DistM2C``: the distortion maps ideal to measured pixels.
 
-Formulas of ``src/photogram/phgr_ebner_brown_dist.cpp``: ModRad, ModPhgrStd (Fraser), and ModUnif with Ebner, Brown,
-general polynomials and fish-eyes. Coefficients are in pixels (px⁻² …) around a distortion centre ``CDist``, or in units
+Formulas of ``src/photogram/phgr_ebner_brown_dist.cpp``: ModRad, ModPhgrStd (Fraser), and ModUnif with general
+polynomials and fish-eyes. Coefficients are in pixels (px⁻² …) around a distortion centre ``CDist``, or in units
 of a scale that stands among the "états". The centre of the first pixel is taken as (0, 0), where eLiSe's interpolation
 has it.
 """
@@ -88,44 +88,6 @@ FISHEYE = (*RADIAL, "P1", "P2", "l0", "l1", "S")
 for _name, _solid in (("eModele_FishEye_10_5_5", False), ("eModele_EquiSolid_FishEye_10_5_5", True)):
     register(Formula(f"micmac {_name}", FISHEYE, "ideal → measured", fisheye_formula(equisolid=_solid),
                      _fisheye_start, constants=("S",)))  # fmt: skip
-
-
-def _ebner(values: Array, _frame: Format, rays: Array) -> Array:
-    """Ebner's twelve terms over a base B: B² / 1.5 is taken from x² and y²; origin is that of the pixels."""
-    p = values[4:16]
-    ideal = _ideal(values, rays)
-    x, y = ideal.T
-    base = values[3] ** 2 / 1.5
-    x2, y2 = x * x - base, y * y - base
-    dx = (
-        p[0] * x
-        + p[1] * y
-        - 2 * p[2] * x2
-        + p[3] * x * y
-        + p[4] * y2
-        + p[6] * x * y2
-        + p[8] * y * x2
-        + p[10] * x2 * y2
-    )
-    dy = (
-        -p[0] * y
-        + p[1] * x
-        + p[2] * x * y
-        - 2 * p[3] * y2
-        + p[5] * x2
-        + p[7] * y * x2
-        + p[9] * x * y2
-        + p[11] * x2 * y2
-    )
-    return ideal + np.column_stack([dx, dy])
-
-
-def _ebner_start(focal: float, principal: Array, frame: Format) -> Array:
-    return np.array([focal, *principal, frame.width / 2.0, *[0.0] * 12])
-
-
-register(Formula("micmac eModeleEbner", ("F", "PPx", "PPy", "B", *(f"p{i}" for i in range(12))), "ideal → measured",
-                 _ebner, _ebner_start, constants=("B",)))  # fmt: skip
 
 
 def polynomial_terms(degree: int) -> int:
