@@ -15,6 +15,7 @@ from pathlib import Path
 from graphos_core import __version__
 from graphos_core.calibrate_options import add_calibrate
 
+LENSES = ("perspective", "fisheye-equidistant", "fisheye-equisolid", "spherical")
 STAGES = ("preprocessing", "features", "adjustment", "dense", "quality")
 DONE, FAILED, USAGE = 0, 1, 2
 
@@ -64,6 +65,7 @@ def build_parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     run.add_argument("--focal-px", type=float, help="principal distance in px")
     run.add_argument("--principal-point", type=_pair, metavar="X,Y", help="principal point in px")
+    run.add_argument("--lens", choices=LENSES, help="kind of lens (default perspective)")
     run.add_argument(
         "--calibration", choices=("fixed", "basic"), help="keep the calibration, or adjust f, x0, y0, k1, k2"
     )

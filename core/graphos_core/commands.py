@@ -95,6 +95,7 @@ def _recipe_of(source: Path) -> Recipe:
 def _project(options: argparse.Namespace, seed: int, progress: Run) -> Project:
     settings: dict[str, Any] = {
         "focal_px": options.focal_px, "principal_point": options.principal_point, "distance": options.distance,
+        "lens": options.lens,
     }  # fmt: skip
     settings = {k: v for k, v in settings.items() if v is not None} | {"seed": seed}
     if options.camera is not None:
@@ -110,7 +111,8 @@ def _project(options: argparse.Namespace, seed: int, progress: Run) -> Project:
         if source.folder.resolve() == options.out.resolve():
             return source.change(progress, **settings, **_control(options))
         kept = {
-            k: getattr(source.settings, k) for k in ("excluded", "focal_px", "principal_point", "distance")
+            k: getattr(source.settings, k)
+            for k in ("excluded", "focal_px", "principal_point", "lens", "distance")
         }
         if source.settings.control and options.control is None:
             options.control = source.folder / source.settings.control

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from graphos_core import __version__
+from graphos_core.cameras.lens import with_lens
 from graphos_core.data import Control, ControlObservations, KnownDistance, PhotoSet
 from graphos_core.errors import UserError
 from graphos_core.project_file import (
@@ -258,6 +259,7 @@ def _read_headers(folder: Path, settings: Settings, store: Store, run: Run, *, w
         listing = {
             "version": __version__, "folder": str(folder), "files": files, "excluded": list(settings.excluded),
             "focal_px": settings.focal_px, "principal_point": settings.principal_point,
+            "lens": settings.lens,
         }  # fmt: skip
     key = content_key(listing)
     if store.has("photos", key):
@@ -269,7 +271,9 @@ def _read_headers(folder: Path, settings: Settings, store: Store, run: Run, *, w
     kept = tuple(p for p in found.photos if p.name not in settings.excluded)
     if not kept:
         raise UserError("No photo is left.", "All photos are switched off.", "Switch at least two photos on.")
-    found = replace(found, photos=kept)
+    found = replace(
+        found, photos=kept, cameras=tuple(with_lens(camera, settings.lens) for camera in found.cameras)
+    )
     if write:
         store.save("photos", key, found, {"what": "photo headers"})
     return found

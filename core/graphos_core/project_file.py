@@ -13,7 +13,9 @@ from typing import Any
 import tomli_w
 
 from graphos_core import __version__
+from graphos_core.cameras.lens import LENSES
 from graphos_core.errors import ParamError, UserError
+from graphos_core.params import unknown_name
 from graphos_core.store import cannot_write, write_text
 from graphos_core.text import Text
 
@@ -39,6 +41,8 @@ class Settings:
         Principal distance given by the person, px.
     principal_point : tuple of float or None
         Principal point given by the person, px.
+    lens : str
+        Kind of lens the photos were taken with, see `graphos_core.cameras.lens`.
     control : str
         Control point file inside the project folder, or empty.
     distance : tuple (str, str, float) or None
@@ -56,6 +60,7 @@ class Settings:
     seed: int = 0
     focal_px: float | None = None
     principal_point: tuple[float, float] | None = None
+    lens: str = "perspective"
     control: str = ""
     distance: tuple[str, str, float] | None = None
     reference: str = ""
@@ -133,6 +138,8 @@ def check_settings(settings: Settings) -> None:
             "principal_point",
             Text("Principal point: {v} px, needs two numbers within ±1000000", v=settings.principal_point),
         )
+    if settings.lens not in LENSES:
+        raise ParamError("lens", unknown_name(settings.lens, LENSES, "lens"))
     if not 0 <= settings.seed < 2**31:
         raise ParamError(
             "seed", Text("Seed: {v}, needs a whole number from 0 to 2147483647", v=settings.seed)
@@ -147,6 +154,7 @@ def write_settings(folder: Path, settings: Settings) -> None:
     document: dict[str, Any] = {"schema": SCHEMA, "name": s.name, "seed": s.seed, "version": __version__}
     document["photos"] = {"folder": s.photos, "files": list(s.files), "excluded": list(s.excluded)}
     camera = {
+        "lens": s.lens if s.lens != "perspective" else None,
         "focal_px": s.focal_px,
         "principal_point": list(s.principal_point) if s.principal_point else None,
     }
@@ -184,6 +192,7 @@ def read_settings(folder: Path) -> Settings:
             seed=int(document.get("seed", 0)),
             focal_px=None if camera.get("focal_px") is None else float(camera["focal_px"]),
             principal_point=None if point is None else (float(point[0]), float(point[1])),
+            lens=str(camera.get("lens", "perspective")),
             control=str(known.get("control", "")),
             distance=None if not distance else (str(distance[0]), str(distance[1]), float(distance[2])),
             reference=str(known.get("reference", "")),

@@ -7,9 +7,16 @@ from typing import Annotated, Any, Literal
 import cv2
 import numpy as np
 
-from graphos_core.cameras import ray_from_pixel
+from graphos_core.cameras import camera_model, ray_from_pixel
 from graphos_core.data import Array, Camera, Features, PairMatches
-from graphos_core.geometry.epipolar import fundamental_from_essential, interior_matrix, line_distances
+from graphos_core.geometry.epipolar import (
+    essential_from_relative,
+    fundamental_from_essential,
+    interior_matrix,
+    line_distances,
+)
+from graphos_core.geometry.rays import rays_of
+from graphos_core.geometry.relative_orientation import RayPairs, relative_orientation
 from graphos_core.params import About, Params
 from graphos_core.registry import algorithm
 from graphos_core.run import Run
@@ -121,8 +128,9 @@ def usac(
     """Estimate the essential or fundamental matrix of a pair and keep the matches that fulfil it.
 
     For an essential matrix the positions are freed from distortion by the camera models first. A match is verified
-    when its distance from the epipolar line is at most `UsacParams.threshold` in both photos. The random samples
-    depend on ``run.seed`` and the pair only.
+    when its distance from the epipolar line is at most `UsacParams.threshold` in both photos. Fish-eye and panorama
+    cameras always take the essential matrix: rays that do not lie before an image plane have no fundamental matrix.
+    The random samples depend on ``run.seed`` and the pair only.
 
     Parameters
     ----------
@@ -142,18 +150,18 @@ def usac(
     """
     reliable = not (cameras[0].focal_estimated or cameras[1].focal_estimated)
     kind = params.model if params.model != "auto" else ("essential" if reliable else "fundamental")
+    wide = any(camera_model(camera.model).wide for camera in cameras)
+    if wide:
+        kind = "essential"
     if len(candidates) < max(params.minimum, SMALLEST_SAMPLE[kind] + 1):
         return _rejected(index, candidates, params, "candidate", len(candidates))
     xy_a, xy_b = a.xy[candidates[:, 0]].astype(np.float64), b.xy[candidates[:, 1]].astype(np.float64)
-    if kind == "essential":
-        xy_a, xy_b = _ideal_pixels(cameras[0], xy_a), _ideal_pixels(cameras[1], xy_b)
-    usable = np.flatnonzero(np.isfinite(xy_a).all(axis=1) & np.isfinite(xy_b).all(axis=1))
-    matrix = _estimate(kind, xy_a[usable], xy_b[usable], cameras, _settings(index, params, run.seed))
+    if wide:
+        matrix, verified = _by_rays(index, xy_a, xy_b, cameras, params, run.seed)
+    else:
+        matrix, verified = _in_plane(kind, index, xy_a, xy_b, cameras, params, run.seed)
     if matrix is None:
         return _rejected(index, candidates, params, "verified", 0)
-    fundamental = fundamental_from_essential(matrix, *cameras) if kind == "essential" else matrix
-    distance_a, distance_b = line_distances(fundamental, xy_a[usable], xy_b[usable])
-    verified = usable[(distance_a <= params.threshold) & (distance_b <= params.threshold)]
     if len(verified) < params.minimum:
         return _rejected(index, candidates, params, "verified", len(verified))
     return PairMatches(
@@ -165,6 +173,50 @@ def usac(
         matrix=matrix,
         threshold_px=params.threshold,
     )
+
+
+def _in_plane(
+    kind: str,
+    index: tuple[int, int],
+    xy_a: Array,
+    xy_b: Array,
+    cameras: tuple[Camera, Camera],
+    params: UsacParams,
+    seed: int,
+) -> tuple[Array | None, Array]:
+    """Return the matrix of two central cameras, and the indices of the matches that fulfil it."""
+    if kind == "essential":
+        xy_a, xy_b = _ideal_pixels(cameras[0], xy_a), _ideal_pixels(cameras[1], xy_b)
+    usable = np.flatnonzero(np.isfinite(xy_a).all(axis=1) & np.isfinite(xy_b).all(axis=1))
+    matrix = _estimate(kind, xy_a[usable], xy_b[usable], cameras, _settings(index, params, seed))
+    if matrix is None:
+        return None, usable
+    fundamental = fundamental_from_essential(matrix, *cameras) if kind == "essential" else matrix
+    distance_a, distance_b = line_distances(fundamental, xy_a[usable], xy_b[usable])
+    return matrix, usable[(distance_a <= params.threshold) & (distance_b <= params.threshold)]
+
+
+def _by_rays(
+    index: tuple[int, int],
+    xy_a: Array,
+    xy_b: Array,
+    cameras: tuple[Camera, Camera],
+    params: UsacParams,
+    seed: int,
+) -> tuple[Array | None, Array]:
+    """Return the essential matrix of rays of any field angle, and the indices of the matches that fulfil it."""
+    a, b = rays_of(cameras[0], xy_a), rays_of(cameras[1], xy_b)
+    usable = np.flatnonzero(a.valid & b.valid)
+    pairs = RayPairs(a[usable], b[usable])
+    state = int(np.random.SeedSequence([seed, *index]).generate_state(1)[0] & 0x7FFFFFFF)
+    found = relative_orientation(pairs.a, pairs.b, params.threshold, seed=state)
+    if not found:
+        return None, usable
+    essential = essential_from_relative(found.rotation, found.translation)
+    misfit, in_a, in_b = pairs.line_gradients(essential)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        distance = np.abs(misfit) / np.minimum(np.linalg.norm(in_a, axis=1), np.linalg.norm(in_b, axis=1))
+    return essential / np.linalg.norm(essential), usable[distance <= params.threshold]
 
 
 def _rejected(

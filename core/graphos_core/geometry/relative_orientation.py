@@ -202,15 +202,13 @@ def ray_essential(pairs: RayPairs, threshold: float, seed: int) -> Array | None:
     """
     rng = np.random.default_rng([seed, 5])
     scored = pairs[np.sort(rng.permutation(len(pairs.a))[:SCORED])]
-    (ya, spread_a), (yb, spread_b) = scored.tips
+    terms = _linear_terms(scored)
     best, lowest, needed = None, np.inf, BATCHES * BATCH
     for batch in range(BATCHES):
         pick = np.argsort(rng.random((BATCH, len(pairs.a))), axis=1)[:, :5]
         found, _ = five_point(pairs.a.directions[pick], pairs.b.directions[pick])
-        in_b, in_a = np.einsum("kij,nj->kni", found, ya), np.einsum("kij,ni->knj", found, yb)
-        slope = (np.einsum("knj,njp->knp", in_a, spread_a) ** 2).sum(axis=2)
-        slope += (np.einsum("knj,njp->knp", in_b, spread_b) ** 2).sum(axis=2)
-        squares = np.einsum("kni,ni->kn", in_b, yb) ** 2 / np.maximum(slope, 1e-300)
+        misfit, *slopes = found.reshape(-1, 9) @ terms
+        squares = misfit**2 / np.maximum(sum(slope**2 for slope in slopes), 1e-300)
         cost = np.minimum(squares, threshold**2).sum(axis=1)
         if len(cost) and cost.min() < lowest:
             winner = int(np.argmin(cost))
@@ -222,6 +220,13 @@ def ray_essential(pairs: RayPairs, threshold: float, seed: int) -> Array | None:
     return best
 
 
+def _linear_terms(pairs: RayPairs) -> Array:
+    """Return what turns a matrix of nine elements into ``y_bᵀ E y_a`` and its four derivatives per px, (5, 9, n)."""
+    (ya, spread_a), (yb, spread_b) = pairs.tips
+    sides = [(yb, ya), *((yb, spread_a[:, :, p]) for p in (0, 1)), *((spread_b[:, :, p], ya) for p in (0, 1))]
+    return np.stack([(b[:, :, None] * a[:, None, :]).reshape(-1, 9).T for b, a in sides])
+
+
 def _ray_homography(pairs: RayPairs, threshold: float, seed: int) -> Array | None:
     """Return the homography of rays, ``b ~ H a`` with a positive factor, where enough of them agree on one."""
     rng = np.random.default_rng([seed, 4])
@@ -230,22 +235,19 @@ def _ray_homography(pairs: RayPairs, threshold: float, seed: int) -> Array | Non
     cross = np.zeros((3 * BATCH, 4, 3, 3))
     for i, (j, k) in enumerate(((1, 2), (2, 0), (0, 1))):
         cross[:, :, i, j], cross[:, :, i, k] = -b[pick, k], b[pick, j]
-    rows = np.einsum("skij,skl->skijl", cross, a[pick]).reshape(3 * BATCH, 12, 9)
-    found = np.linalg.svd(rows)[2][:, 8].reshape(-1, 3, 3)
-    moved = np.einsum("kij,nj->kni", found, a)
-    found *= np.sign(np.median((moved * b).sum(axis=2), axis=1))[:, None, None]
-    agreeing = np.stack([_plane_distances(matrix, pairs) <= threshold for matrix in found])
+    conditions = np.einsum("skij,skl->skijl", cross, a[pick]).reshape(3 * BATCH, 12, 9)
+    found = np.linalg.svd(conditions)[2][:, 8].reshape(-1, 3, 3)
+    towards = np.einsum(
+        "sni,sij,snj->s", b[pick], found, a[pick]
+    )  # a ray goes to a ray, not to the opposite one
+    found *= np.where(towards < 0.0, -1.0, 1.0)[:, None, None]
+    rows = np.einsum("nri,nj->rijn", pairs.b.frames, a).reshape(3, 9, -1)
+    x, y, z = found.reshape(-1, 9) @ rows
+    agreeing = (z > 0.0) & (x**2 + y**2 <= (threshold * z) ** 2)
     winner = int(np.argmax(agreeing.sum(axis=1)))
     if agreeing[winner].sum() < max(6, 0.3 * len(a)):
         return None
     return np.asarray(found[winner])
-
-
-def _plane_distances(homography: Array, pairs: RayPairs) -> Array:
-    """Return the distance (n,) of a ray of b from the one that the homography takes to it, px."""
-    q = np.einsum("nij,nj->ni", pairs.b.frames, pairs.a.directions @ homography.T)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(q[:, 2] > 0.0, np.hypot(q[:, 0], q[:, 1]) / np.abs(q[:, 2]), np.inf)
 
 
 def depths(rotation: Array, translation: Array, a: Array, b: Array) -> tuple[Array, Array]:

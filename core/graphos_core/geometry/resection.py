@@ -106,16 +106,16 @@ def _ray_search(points: Array, rays: Rays, threshold: float, seed: int) -> tuple
     """Try samples of three in batches, scored by ``Σ min(e², threshold²)``, until a good one is as good as certain."""
     rng, count = np.random.default_rng([seed, 3]), len(points)
     scored = np.sort(rng.permutation(count)[:SCORED])
-    frames, targets = rays.frames[scored], points[scored]
+    frames, targets = rays.frames[scored], np.column_stack([points[scored], np.ones(len(scored))])
+    terms = np.einsum("nri,nj->rijn", frames, targets).reshape(3, 12, -1)
     best, lowest, needed = None, np.inf, BATCH * BATCHES
     for batch in range(BATCHES):
         pick = np.argsort(rng.random((BATCH, count)), axis=1)[:, :3]
         rotations, translations, _ = three_point(points[pick], rays.directions[pick])
-        seen = np.einsum("kij,nj->kni", rotations, targets) + translations[:, None]
-        q = np.einsum("nij,knj->kni", frames, seen)
+        poses = np.concatenate([rotations, translations[:, :, None]], axis=2).reshape(-1, 12)
+        x, y, z = poses @ terms
         with np.errstate(divide="ignore", invalid="ignore"):
-            squares = (q[..., 0] ** 2 + q[..., 1] ** 2) / q[..., 2] ** 2
-        squares[~(q[..., 2] > 0.0)] = np.inf
+            squares = np.where(z > 0.0, (x**2 + y**2) / z**2, np.inf)
         cost = np.minimum(squares, threshold**2).sum(axis=1)
         if len(cost) and cost.min() < lowest:
             winner = int(np.argmin(cost))
