@@ -139,7 +139,7 @@ def check_settings(settings: Settings) -> None:
             Text("Principal point: {v} px, needs two numbers within ±1000000", v=settings.principal_point),
         )
     if settings.lens not in LENSES:
-        raise ParamError("lens", unknown_name(settings.lens, LENSES, "lens"))
+        raise ParamError("lens", unknown_name(settings.lens, list(LENSES), "lens"))
     if not 0 <= settings.seed < 2**31:
         raise ParamError(
             "seed", Text("Seed: {v}, needs a whole number from 0 to 2147483647", v=settings.seed)
