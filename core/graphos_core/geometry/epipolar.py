@@ -87,6 +87,22 @@ def epipolar_lines(fundamental: Array, xy: Array, *, into_a: bool = False) -> Ar
         return np.asarray(lines / np.where(norm > 0.0, norm, np.nan))
 
 
+def line_transfer(fundamental_a: Array, fundamental_b: Array, a: Array, b: Array) -> Array:
+    """Return where points seen in a and b lie in c: the intersection of both epipolar lines, homogeneous (n, 3).
+
+    ``x_c ~ (F_ca x_a) × (F_cb x_b)``. Both lines are one where the point lies in the plane of the three projection
+    centres: the result is then zero or noise (Hartley and Zisserman 2004, section 15.3.1).
+
+    Parameters
+    ----------
+    fundamental_a, fundamental_b : float64 (3, 3)
+        From a to c and from b to c, for pixels or for rays as the points are.
+    a, b : float64 (n, 3)
+        Homogeneous points, or rays.
+    """
+    return np.cross(np.asarray(a) @ np.asarray(fundamental_a).T, np.asarray(b) @ np.asarray(fundamental_b).T)
+
+
 def epipoles(fundamental: Array) -> tuple[Array, Array]:
     """Return the epipoles in a and in b as homogeneous points (3,) of length 1 with third component ≥ 0.
 

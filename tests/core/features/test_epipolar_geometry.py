@@ -10,6 +10,7 @@ from graphos_core.geometry.epipolar import (
     essential_from_relative,
     fundamental_from_cameras,
     line_distances,
+    line_transfer,
     relative_orientation,
     sampson_distances,
 )
@@ -86,3 +87,17 @@ def test_the_curve_runs_through_the_image_of_the_point() -> None:
     depth = (R_A @ (POINTS[7] - CENTRE_A))[2]
     found = epipolar_curve(in_a[7], wide, R_A, CENTRE_A, wide, R_B, CENTRE_B, np.array([depth]))
     assert found[0] == pytest.approx(in_b[7], abs=1e-6)
+
+
+def test_epipolar_lines_of_two_photos_meet_where_the_third_sees_the_point():
+    draw = np.random.default_rng(8)
+    points = draw.uniform([-1, -1, 6], [1, 1, 9], (12, 3))
+    centres = np.array([[0.0, 0, 0], [1.5, 0.3, 0.2], [0.4, 1.2, -0.3]])
+    rotations = [look_at(c, np.array([0.0, 0.0, 7.0]), np.array([0.0, -1.0, 0.0])) for c in centres]
+    rays = [(points - c) @ r.T for c, r in zip(centres, rotations, strict=True)]
+    into_c = [
+        essential_from_relative(*relative_orientation(rotations[i], centres[i], rotations[2], centres[2]))
+        for i in (0, 1)
+    ]
+    found = line_transfer(into_c[0], into_c[1], rays[0], rays[1])
+    assert np.allclose(found[:, :2] / found[:, 2:], rays[2][:, :2] / rays[2][:, 2:], atol=1e-9)
