@@ -83,3 +83,10 @@ def ideal_direction(projection: str, position: Array) -> Array:
     theta = np.minimum(theta, 3.1)
     across = np.sin(theta) / np.where(r > 0.0, r, 1.0)
     return np.stack([across * u, across * v, np.cos(theta)], axis=1)
+
+
+def on_sphere(projection: str, position: Array) -> Array:
+    """Say which positions (n, 2) of a wide projection belong to a direction: bool (n,)."""
+    if projection == "spherical":
+        return np.asarray((np.abs(position[:, 0]) <= np.pi) & (np.abs(position[:, 1]) < 0.5 * np.pi))
+    return np.asarray(np.hypot(*position.T) < (np.pi if projection == "equidistant" else 2.0))
