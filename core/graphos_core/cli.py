@@ -13,6 +13,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 from graphos_core import __version__
+from graphos_core.adjustment_options import add_compare, add_report
 from graphos_core.calibrate_options import add_calibrate
 
 LENSES = ("perspective", "fisheye-equidistant", "fisheye-equisolid", "spherical")
@@ -84,6 +85,9 @@ def build_parser() -> argparse.ArgumentParser:
     _common(run)
 
     add_calibrate(words, _common)
+    add_report(words)
+    add_compare(words)
+
     words.add_parser("list", help="algorithms by room and role")
     describe = words.add_parser("describe", help="parameter sheet of an algorithm")
     describe.add_argument("algorithm", help="room.algorithm or algorithm, such as features.sift")
@@ -162,7 +166,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _dispatch(options: argparse.Namespace) -> int:
-    from graphos_core import commands
+    from graphos_core import adjustment_commands, commands
 
     if options.word == "gui":
         return open_window(options.project)
@@ -171,7 +175,10 @@ def _dispatch(options: argparse.Namespace) -> int:
         if code == DONE and not options.no_window and commands.has_display():
             return open_window(commands.demo_folder(options))
         return code
+    if options.word == "compare":
+        return {"runs": adjustment_commands.compare_runs}[options.thing](options)
     function = {
+        "report": adjustment_commands.report,
         "simulate": commands.simulate,
         "run": commands.run,
         "calibrate": commands.calibrate,

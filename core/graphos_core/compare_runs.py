@@ -32,7 +32,7 @@ def compare(a: ComparedRun, b: ComparedRun) -> Comparison:
     Parameters
     ----------
     a, b : ComparedRun
-        From `graphos_core.compared_run.load_compared_run`, or made of what the window holds.
+        From `load_compared_run`, or made of what the window holds.
 
     Raises
     ------

@@ -73,7 +73,7 @@ def write_outputs(pipeline: Pipeline, made: str) -> Path:
     UserError
         When the disk is full or the folder cannot be written.
     """
-    from graphos_core.report_html import report_html
+    from graphos_core.report.sections import report_html
 
     home = pipeline.project.folder
     folder = _new_folder(home / "runs")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from dataclasses import dataclass, field
 from importlib import resources
@@ -12,7 +11,6 @@ from typing import Any
 import jinja2
 
 from graphos_core import __version__
-from graphos_core.data import PhotoSet
 from graphos_core.errors import UserError
 from graphos_core.pipeline import Pipeline
 from graphos_core.project import Project
@@ -180,18 +178,14 @@ class LabSession:
             ) from problem  # fmt: skip
 
 
-def data_hash(photos: PhotoSet) -> str:
-    """Return a hash of the photos that were used, 16 hexadecimal digits."""
-    return hashlib.sha256("".join(p.digest for p in photos.photos).encode()).hexdigest()[:16]
-
-
 def hand_in(session: LabSession, pipeline: Pipeline) -> str:
     """Return the hand-in: one HTML page with answers, comparison of predictions, figures, parameters and version."""
     truth = session.truth()
     rows = [_row(session, i, step, pipeline, truth) for i, step in enumerate(session.lab.steps)]
     template = (resources.files("graphos_resources") / "labs" / "hand_in.html.j2").read_text("utf-8")
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
-    from graphos_core.report_pictures import report_pictures
+    from graphos_core.report import data_hash
+    from graphos_core.report.model_picture import report_pictures
 
     return environment.from_string(template).render(
         lab=session.lab, student=session.student, seed=session.seed, rows=rows, version=__version__,

@@ -11,7 +11,8 @@ import pytest
 
 from graphos_core.errors import UserError
 from graphos_core.recipe import Recipe
-from graphos_didactic import lab_check, lab_session
+from graphos_core.report import data_hash
+from graphos_didactic import lab_check
 from graphos_didactic.lab_check import check, parse_number, rounding
 from graphos_didactic.lab_figures import FIGURES, Figure
 from graphos_didactic.lab_session import LabSession, hand_in, key_page
@@ -90,7 +91,7 @@ def results(monkeypatch: pytest.MonkeyPatch) -> Any:
     figure = Figure("principal distance", 1000.0, 0.2, "px", 1000.5)
     monkeypatch.setitem(FIGURES, "focal_px", lambda pipeline, truth: figure)
     monkeypatch.setattr(
-        "graphos_core.report_pictures.report_pictures", lambda p: {"model": "", "residuals": ""}
+        "graphos_core.report.model_picture.report_pictures", lambda p: {"model": "", "residuals": ""}
     )
     return Results()
 
@@ -255,7 +256,7 @@ def test_the_hand_in_escapes_what_students_type(lab: Lab, results: Any, tmp_path
     assert "<img src=x" not in page
     assert "&lt;script&gt;" in page
     assert "predicted 1003" in page
-    assert lab_session.data_hash(results.photos) in page
+    assert data_hash(results.photos) in page
     assert str(begun.seed) in page
 
 

@@ -48,18 +48,20 @@ def _explanation(key: str, lesson: str) -> Explanation:
 
 
 def plain_text(markdown: str) -> str:
-    """Return a paragraph of a lesson without marks; formulas in a line become letters and signs.
+    r"""Return a paragraph of a lesson without marks; formulas in a line become letters and signs.
 
-    >>> plain_text(r"A **ray** of [length](lesson:a/b) $\\hat{\\sigma}_0 \\leq 1$ ends.")
+    >>> plain_text(r"A **ray** of [length](lesson:a/b) $\hat{\sigma}_0 \leq 1$ ends.")
     'A ray of length σ0 ≤ 1 ends.'
     """
     text = re.sub(r"\$([^$]+)\$", lambda m: _formula(m[1]), markdown)
     text = re.sub(r"\[([^\]]+)\]\([^)]*\)", r"\1", text)
     text = text.replace("**", "").replace("*", "").replace("`", "")
-    return " ".join(text.split()).rstrip(":") + (":" if text.rstrip().endswith(":") else "")
+    text = " ".join(text.split())
+    return text[:-1] + "." if text.endswith(":") else text
 
 
 def _formula(tex: str) -> str:
     tex = re.sub(r"\\(?:hat|bar|mathrm|text|tilde|vec)\b", "", tex)
     tex = re.sub(r"\\([A-Za-z]+)", lambda m: _SYMBOLS.get(m[1], m[1]), tex)
+    tex = re.sub(r"\^\{?([0-9])\}?", lambda m: "⁰¹²³⁴⁵⁶⁷⁸⁹"[int(m[1])], tex)
     return re.sub(r"[{}_\\,;]|\^(?=T)", "", tex)

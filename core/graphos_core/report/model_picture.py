@@ -1,10 +1,8 @@
-"""Pictures of the report, as data URLs: the model with its cameras, residuals, distances."""
+"""The model with its cameras as a picture, and the two pictures of a lab's hand-in."""
 
 from __future__ import annotations
 
 import base64
-import io
-from typing import Any
 
 import cv2
 import numpy as np
@@ -12,35 +10,32 @@ import numpy as np
 from graphos_core.data import Array, Block
 from graphos_core.number_format import format_value
 from graphos_core.pipeline import Pipeline
+from graphos_core.report.residual_pictures import residual_histogram
 from graphos_core.text import Text
-
-ACCENT = "#0b6bcb"
 
 
 def report_pictures(pipeline: Pipeline) -> dict[str, str]:
-    """Return data URLs by name: ``model`` with ``model_caption``, ``residuals``, ``distances``; empty where missing."""
-    pictures = {"model": "", "model_caption": "", "residuals": "", "distances": ""}
-    adjusted, dense, quality = (pipeline.result(s) for s in ("adjustment", "dense", "quality"))
+    """Return data URLs by name: ``model`` with ``model_caption``, ``residuals``; empty where missing."""
+    model, caption = overview(pipeline)
+    adjusted, residuals = pipeline.result("adjustment"), ""
     if adjusted is not None:
-        block = adjusted.adjustment.block
-        points, colours = block.points, block.colours
-        if dense is not None and len(dense.cloud.points):
-            points, colours = dense.cloud.points, dense.cloud.colours
-        pictures["model"] = _jpeg(
-            model_picture(block, points, colours, upward(block, adjusted.georeference.method))
-        )
-        what = "dense cloud" if dense is not None else "object points"
-        pictures["model_caption"] = Text(
-            "{n} points of the {what}, and the cameras.", n=format_value(len(points)), what=what
-        )
-        pictures["residuals"] = _histogram(
-            adjusted.adjustment.residuals.ravel(), "image residual per coordinate", "px"
-        )
-    if quality is not None and quality.comparison is not None and len(quality.comparison.distances):
-        c = quality.comparison
-        scale, unit = (1000.0, "mm") if c.unit == "m" else (1.0, c.unit)
-        pictures["distances"] = _histogram(scale * c.distances, "signed distance from the reference", unit)
-    return pictures
+        markup = residual_histogram(adjusted.adjustment.residuals).svg
+        residuals = "data:image/svg+xml;base64," + base64.b64encode(markup.encode()).decode()
+    return {"model": model, "model_caption": caption, "residuals": residuals}
+
+
+def overview(pipeline: Pipeline) -> tuple[str, str]:
+    """Return the model with its cameras as a data URL, and its caption; both empty before the adjustment."""
+    adjusted, dense = pipeline.result("adjustment"), pipeline.result("dense")
+    if adjusted is None:
+        return "", ""
+    block = adjusted.adjustment.block
+    points, colours, what = block.points, block.colours, "object points"
+    if dense is not None and len(dense.cloud.points):
+        points, colours, what = dense.cloud.points, dense.cloud.colours, "dense cloud"
+    up = upward(block, adjusted.georeference.method)
+    caption = Text("{n} points of the {what}, and the cameras.", n=format_value(len(points)), what=what)
+    return _jpeg(model_picture(block, points, colours, up)), caption
 
 
 def model_picture(
@@ -77,30 +72,3 @@ def upward(block: Block, method: str) -> Array:
 def _jpeg(image: Array) -> str:
     _, encoded = cv2.imencode(".jpg", image[:, :, ::-1], [cv2.IMWRITE_JPEG_QUALITY, 88])
     return "data:image/jpeg;base64," + base64.b64encode(encoded.tobytes()).decode()
-
-
-def _histogram(values: Array, label: str, unit: str) -> str:
-    """Draw a histogram with the normal curve of the same NMAD, as an SVG data URL."""
-    from matplotlib.figure import Figure
-
-    values = np.asarray(values, dtype=np.float64)
-    values = values[np.isfinite(values)]
-    centre = float(np.median(values))
-    spread = 1.4826 * float(np.median(np.abs(values - centre))) or float(values.std()) or 1.0
-    edges = np.linspace(centre - 5 * spread, centre + 5 * spread, 101)
-    figure = Figure(figsize=(9, 2.8), layout="constrained")
-    axes: Any = figure.subplots()
-    counts, _, _ = axes.hist(
-        values, edges, color=ACCENT, alpha=0.75, label=f"{format_value(len(values))} values"
-    )
-    middle = 0.5 * (edges[1:] + edges[:-1])
-    normal = np.exp(-0.5 * ((middle - centre) / spread) ** 2)
-    normal *= counts.sum() / max(normal.sum(), 1e-300)
-    axes.plot(middle, normal, color="#333333", linewidth=1.2, label=f"normal with NMAD = {spread:.3g} {unit}")
-    axes.set_xlabel(f"{label} [{unit}]")
-    axes.set_ylabel("count")
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(frameon=False)
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="svg", metadata={"Date": None})
-    return "data:image/svg+xml;base64," + base64.b64encode(buffer.getvalue()).decode()

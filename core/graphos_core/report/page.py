@@ -18,7 +18,7 @@ from graphos_core.report.explanations import Explanation, explanations
 
 @dataclass(frozen=True)
 class Paragraph:
-    """A paragraph; `soft` for definitions and notes, `strong` for a verdict."""
+    """A paragraph; `soft` for definitions and notes, `strong` for a verdict; of the kind ``"code"`` as it is written."""
 
     text: str
     soft: bool = False
@@ -37,6 +37,8 @@ class Table:
     rows : sequence of sequence of str
     left : int
         So many columns from the left are texts, the others numbers, right-aligned.
+    last_text : bool
+        The last column is a text too, such as a definition.
     title, note : str
         Heading above, and definitions below.
     """
@@ -46,7 +48,12 @@ class Table:
     left: int = 1
     title: str = ""
     note: str = ""
+    last_text: bool = False
     kind: str = "table"
+
+    def is_text(self, column: int) -> bool:
+        """Say whether a column holds texts."""
+        return column < self.left or (self.last_text and column == len(self.heads) - 1)
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from html import escape
 import numpy as np
 
 from graphos_core.data import Array
-from graphos_core.number_format import MINUS
+from graphos_core.number_format import MINUS, group_thousands
 
 INK, SOFT, GRID = "#1d2430", "#525a66", "#dfe3e9"
 BLUE, ORANGE, GREEN, RED, SKY, GREY = "#0072b2", "#e69f00", "#009e73", "#d55e00", "#56b4e9", "#8a93a0"
@@ -45,12 +45,12 @@ class Plot:
     downwards : bool
         y grows downwards, as in photos.
     margins : tuple of int
-        Left, top, right, bottom.
+        Left, top (with room for the legend), right, bottom.
     """
 
     def __init__(
         self, x: Axis, y: Axis, alt: str, *, width: int = 720, height: int = 260, downwards: bool = False,
-        margins: tuple[int, int, int, int] = (64, 14, 16, 46),
+        margins: tuple[int, int, int, int] = (64, 30, 16, 46),
     ) -> None:  # fmt: skip
         self.x, self.y, self.alt = x, y, alt
         self.width, self.height, self.downwards, self.margins = width, height, downwards, margins
@@ -73,7 +73,7 @@ class Plot:
     def bars(
         self, edges: Array, counts: Array, label: str = "", colour: str = BLUE, opacity: float = 0.75
     ) -> None:
-        """Bars from zero between `edges` (k + 1) of height `counts` (k)."""
+        """Put bars from zero between `edges` (k + 1) of height `counts` (k)."""
         xs, tops, base = self.px(edges), self.py(counts), float(self.py(0.0))
         for i, top in enumerate(tops):
             if counts[i] > 0:
@@ -87,7 +87,7 @@ class Plot:
     def line(
         self, xs: Array, ys: Array, label: str = "", colour: str = INK, dash: str = "", weight: float = 1.5
     ) -> None:
-        """Polyline; points that are not finite interrupt it."""
+        """Put a polyline; points that are not finite interrupt it."""
         style = f'fill="none" stroke="{colour}" stroke-width="{weight}"' + (
             f' stroke-dasharray="{dash}"' if dash else ""
         )
@@ -101,7 +101,7 @@ class Plot:
             self._legend.append((f'<line x1="0" y1="0" x2="22" y2="0" {style}/>', label))
 
     def band(self, xs: Array, low: Array, high: Array, label: str = "", colour: str = BLUE) -> None:
-        """Filled band between two curves."""
+        """Put a filled band between two curves."""
         good = np.isfinite(low) & np.isfinite(high)
         px = self.px(np.asarray(xs)[good])
         upper, lower = self.py(np.asarray(high)[good]), self.py(np.asarray(low)[good])
@@ -112,7 +112,7 @@ class Plot:
             self._legend.append((_swatch(colour, 0.22), label))
 
     def dots(self, xs: Array, ys: Array, label: str = "", colour: str = BLUE, radius: float = 2.0) -> None:
-        """One disc per point."""
+        """Put one disc per point."""
         for a, b in zip(self.px(xs), self.py(ys), strict=True):
             self._marks.append(f'<circle cx="{a:.1f}" cy="{b:.1f}" r="{radius}" fill="{colour}"/>')
         if label:
@@ -121,19 +121,19 @@ class Plot:
     def arrows(
         self, xs: Array, ys: Array, dx: Array, dy: Array, colour: str = BLUE, weight: float = 1.0
     ) -> None:
-        """Vectors from a dot at (x, y); `dx`, `dy` in the units of the axes."""
+        """Put vectors from a dot at (x, y); `dx`, `dy` in the units of the axes."""
+        if not len(xs):
+            return
         ax, ay, bx, by = self.px(xs), self.py(ys), self.px(xs + dx), self.py(ys + dy)
         path = "".join(f"M{a:.1f} {b:.1f}L{c:.1f} {d:.1f}" for a, b, c, d in zip(ax, ay, bx, by, strict=True))
         self._marks.append(f'<path d="{path}" stroke="{colour}" stroke-width="{weight}" fill="none"/>')
-        tails = "".join(
-            f"M{a - 1:.1f} {b:.1f}a1 1 0 1 0 2 0a1 1 0 1 0 -2 0" for a, b in zip(ax, ay, strict=True)
-        )
+        tails = "".join(f"M{a - 0.9:.1f} {b - 0.9:.1f}h1.8v1.8h-1.8z" for a, b in zip(ax, ay, strict=True))
         self._marks.append(f'<path d="{tails}" fill="{INK}"/>')
 
     def cells(
         self, x_edges: Array, y_edges: Array, colours: Array, texts: Sequence[Sequence[str]] = ()
     ) -> None:
-        """Grid of coloured cells, uint8 (rows, columns, 3), each with its text."""
+        """Put a grid of coloured cells, uint8 (rows, columns, 3), each with its text."""
         xs, ys = self.px(x_edges), self.py(y_edges)
         for i in range(len(ys) - 1):
             for j in range(len(xs) - 1):
@@ -152,14 +152,15 @@ class Plot:
                     )  # fmt: skip
 
     def mark_x(self, value: float, label: str, colour: str = RED) -> None:
-        """Vertical dashed line with its label in the legend."""
+        """Put a vertical dashed line with its label in the legend."""
         a, top, bottom = float(self.px(value)), self.margins[1], self.height - self.margins[3]
         style = f'stroke="{colour}" stroke-width="1.5" stroke-dasharray="5 3"'
         self._marks.append(f'<line x1="{a:.1f}" y1="{top}" x2="{a:.1f}" y2="{bottom}" {style}/>')
-        self._legend.append((f'<line x1="0" y1="0" x2="22" y2="0" {style}/>', label))
+        if label:
+            self._legend.append((f'<line x1="0" y1="0" x2="22" y2="0" {style}/>', label))
 
     def text(self, x: float, y: float, text: str, anchor: str = "start") -> None:
-        """Text at a place of the axes."""
+        """Put text at a place of the axes."""
         self._marks.append(_text(float(self.px(x)), float(self.py(y)), text, anchor, SIZE - 1, INK))
 
     def svg(self) -> str:
@@ -175,13 +176,13 @@ class Plot:
         left, top, right, bottom = self.margins
         base, end, parts = self.height - bottom, self.width - right, []
         if self.x.ticks:
-            values = nice_ticks(self.x.low, self.x.high, max(3, (end - left) // 80))
+            values = nice_ticks(self.x.low, self.x.high, max(4, (end - left) // 64))
             for value, label in zip(values, tick_labels(values), strict=True):
                 a = float(self.px(value))
                 parts.append(f'<line x1="{a:.1f}" y1="{top}" x2="{a:.1f}" y2="{base}" stroke="{GRID}"/>')
                 parts.append(_text(a, base + 17, label, "middle"))
         if self.y.ticks:
-            values = nice_ticks(self.y.low, self.y.high, max(3, (base - top) // 44))
+            values = nice_ticks(self.y.low, self.y.high, max(4, (base - top) // 40))
             for value, label in zip(values, tick_labels(values), strict=True):
                 b = float(self.py(value))
                 parts.append(f'<line x1="{left}" y1="{b:.1f}" x2="{end}" y2="{b:.1f}" stroke="{GRID}"/>')
@@ -205,16 +206,12 @@ class Plot:
         return [f'<path d="M{left} {top}V{base}H{end}" fill="none" stroke="{SOFT}"/>']
 
     def _legend_marks(self) -> list[str]:
-        if not self._legend:
-            return []
-        longest = max(len(label) for _, label in self._legend)
-        wide, high = 40 + 6.6 * longest, 18 * len(self._legend) + 8
-        x, y = self.width - self.margins[2] - wide - 4, self.margins[1] + 4
-        parts = [f'<rect x="{x:.1f}" y="{y}" width="{wide:.1f}" height="{high}" fill="#ffffff" '
-                 f'fill-opacity="0.85"/>']  # fmt: skip
-        for i, (mark, label) in enumerate(self._legend):
-            parts.append(f'<g transform="translate({x + 6:.1f} {y + 14 + 18 * i})">{mark}</g>')
-            parts.append(_text(x + 34, y + 18 + 18 * i, label, "start", SIZE - 1, INK))
+        """Return the legend: one line above the frame, from left to right."""
+        parts, x, y = [], float(self.margins[0]), 16
+        for mark, label in self._legend:
+            parts.append(f'<g transform="translate({x:.1f} {y - 4})">{mark}</g>')
+            parts.append(_text(x + 28, y, label, "start", SIZE - 1, INK))
+            x += 48 + 6.7 * len(label)
         return parts
 
 
@@ -225,7 +222,7 @@ def nice_ticks(low: float, high: float, most: int) -> Array:
         return np.array([low])
     raw = span / max(most, 1)
     power = 10.0 ** math.floor(math.log10(raw))
-    step = next(f * power for f in (1.0, 2.0, 5.0, 10.0) if f * power >= raw * 0.999)
+    step = min((f * power for f in (1.0, 2.0, 5.0, 10.0)), key=lambda s: abs(math.log(s / raw)))
     return np.arange(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1) * step
 
 
@@ -237,7 +234,7 @@ def tick_labels(values: Array) -> list[str]:
     if largest < 1e-3 or largest >= 1e6:
         return ["0" if abs(v) < step / 2 else f"{v:.3g}".replace("-", MINUS) for v in values]
     decimals = max(0, -math.floor(math.log10(step) + 1e-9))
-    return [f"{0.0 if abs(v) < step / 2 else v:.{decimals}f}".replace("-", MINUS) for v in values]
+    return [group_thousands(f"{0.0 if abs(v) < step / 2 else v:.{decimals}f}") for v in values]
 
 
 def _swatch(colour: str, opacity: float) -> str:

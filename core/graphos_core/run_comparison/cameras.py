@@ -21,6 +21,7 @@ GRID = 24
 def camera_differences(
     a: Block, b: Block, photos: list[tuple[int, int]]
 ) -> tuple[tuple[CameraParameterDifference, ...], tuple[CalibrationDifference, ...]]:
+    """Return the parameters of every pair of cameras that took a common photo, and how far their images are apart."""
     pairs = dict.fromkeys((int(a.camera_of_photo[i]), int(b.camera_of_photo[j])) for i, j in photos)
     rows, calibrations = [], []
     for one, two in pairs:

@@ -16,12 +16,17 @@ from graphos_core.text import Text
 
 
 def photo_pairs(a: Block, b: Block) -> list[tuple[int, int]]:
+    """Return the indices in A and in B of the photos that are oriented in both, found by name."""
     where = {name: i for i, name in enumerate(b.names) if b.oriented[i]}
-    return [(i, where[a.names[i]]) for i in np.flatnonzero(a.oriented) if a.names[i] in where]
+    return [(int(i), where[a.names[i]]) for i in np.flatnonzero(a.oriented) if a.names[i] in where]
 
 
 def point_pairs(a: Block, b: Block) -> Array:
-    """Return int (k, 2): the points of A and B that have an image measurement in common; each at most once."""
+    """Return int (k, 2): the points of A and B that have image measurements in common, each at most once.
+
+    Two points may share a measurement (a detector can give one place two orientations), so pairs are taken in the
+    order of how many measurements they share.
+    """
     names = {name: i for i, name in enumerate(a.names)}
     photo_b = np.array([names.get(name, -1) for name in b.names])[b.obs_photo]
     stack = np.vstack([
@@ -29,22 +34,29 @@ def point_pairs(a: Block, b: Block) -> Array:
         np.column_stack([photo_b, np.round(b.obs_xy, 4)]),
     ])  # fmt: skip
     _, place = np.unique(stack, axis=0, return_inverse=True)
-    place = place.ravel()
-    of_a = np.full(place.max(initial=-1) + 1, -1)
-    of_a[place[: len(a.obs_photo)]] = a.obs_point
-    both = np.column_stack([of_a[place[len(a.obs_photo) :]], b.obs_point])
-    both = both[(both[:, 0] >= 0) & (photo_b >= 0)]
+    place_a, place_b = np.split(place.ravel(), [len(a.obs_photo)])
+    order = np.argsort(place_a, kind="stable")
+    first, last = (np.searchsorted(place_a[order], place_b, side) for side in ("left", "right"))
+    count = np.where(photo_b >= 0, last - first, 0)
+    within = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    both = np.column_stack([
+        a.obs_point[order[np.repeat(first, count) + within]], np.repeat(b.obs_point, count)
+    ])  # fmt: skip
     pairs, votes = np.unique(both, axis=0, return_counts=True)
-    pairs = pairs[np.argsort(-votes, kind="stable")]
-    for column in (0, 1):  # a point that was cut in two goes with the part that has most of its measurements
-        _, first = np.unique(pairs[:, column], return_index=True)
-        pairs = pairs[np.sort(first)]
-    return np.asarray(pairs[np.argsort(pairs[:, 0], kind="stable")])
+    taken_a, taken_b = np.zeros(len(a.points), dtype=bool), np.zeros(len(b.points), dtype=bool)
+    kept = []
+    for i in np.argsort(-votes, kind="stable"):
+        one, two = pairs[i]
+        if not (taken_a[one] or taken_b[two]):
+            taken_a[one] = taken_b[two] = True
+            kept.append(i)
+    return np.asarray(pairs[np.sort(np.array(kept, dtype=int))])
 
 
 def common_frame(
     a: ComparedRun, b: ComparedRun, photos: list[tuple[int, int]], points: Array
 ) -> tuple[FrameDifference, Similarity]:
+    """Return the similarity ``a_from_b`` and what is said about it; the identity where both are placed by control."""
     one, two = a.adjustment.block, b.adjustment.block
     still = Similarity(1.0, np.eye(3), np.zeros(3))
     if one.unit == two.unit == "m" and _by_control(a) and _by_control(b):
@@ -52,10 +64,9 @@ def common_frame(
         shift = np.asarray(b.georeference.origin) - np.asarray(a.georeference.origin)
         still = Similarity(1.0, np.eye(3), shift)
         return FrameDifference(False, 1.0, 0.0, float(np.linalg.norm(shift)), "m", how), still
-    from_b = [two.centres[j] for _, j in photos]
-    from_a = [one.centres[i] for i, _ in photos]
     good = _well_determined(a.adjustment, b.adjustment, points)
-    from_b, from_a = np.vstack([from_b, two.points[good[:, 1]]]), np.vstack([from_a, one.points[good[:, 0]]])
+    from_a = np.vstack([*(one.centres[i] for i, _ in photos), one.points[good[:, 0]]])
+    from_b = np.vstack([*(two.centres[j] for _, j in photos), two.points[good[:, 1]]])
     try:
         a_from_b = estimate_similarity(from_b, from_a)
     except UserError:
@@ -89,6 +100,7 @@ def _well_determined(a: Adjustment, b: Adjustment, points: Array) -> Array:
 def photo_differences(
     a: Adjustment, b: Adjustment, pairs: list[tuple[int, int]], a_from_b: Similarity
 ) -> tuple[PhotoDifference, ...]:
+    """Return the differences of the exterior orientations in the frame of A."""
     rows = []
     for i, j in pairs:
         centre = a_from_b.apply(b.block.centres[j : j + 1])[0] - a.block.centres[i]
@@ -99,7 +111,7 @@ def photo_differences(
         mine_a, mine_b = a.block.obs_photo == i, b.block.obs_photo == j
         rows.append(
             PhotoDifference(
-                a.block.names[i], _triple(centre), _triple(sigma),
+                a.block.names[i], triple(centre), triple(sigma),
                 math.degrees(angle_between(a.block.rotations[i], turned)),
                 _rms(a.residuals[mine_a]), _rms(b.residuals[mine_b]), int(mine_a.sum()), int(mine_b.sum()),
             )
@@ -108,6 +120,7 @@ def photo_differences(
 
 
 def point_differences(a: Adjustment, b: Adjustment, pairs: Array, a_from_b: Similarity) -> PointsDifference:
+    """Return statistics of the differences of the object points in the frame of A."""
     only = len(a.block.points) - len(pairs), len(b.block.points) - len(pairs)
     if not len(pairs):
         nothing = (math.nan, math.nan, math.nan)
@@ -115,13 +128,14 @@ def point_differences(a: Adjustment, b: Adjustment, pairs: Array, a_from_b: Simi
     d = a_from_b.apply(b.block.points[pairs[:, 1]]) - a.block.points[pairs[:, 0]]
     length = np.linalg.norm(d, axis=1)
     return PointsDifference(
-        len(pairs), *only, _triple(np.sqrt((d**2).mean(axis=0))), float(np.median(length)),
+        len(pairs), *only, triple(np.sqrt((d**2).mean(axis=0))), float(np.median(length)),
         float(np.quantile(length, 0.95)), float(length.max()),
         _median(a.sigma_points[pairs[:, 0]]), a_from_b.scale * _median(b.sigma_points[pairs[:, 1]]),
     )  # fmt: skip
 
 
 def triple(values: Array) -> tuple[float, float, float]:
+    """Return three numbers as a tuple."""
     x, y, z = (float(v) for v in values)
     return x, y, z
 

@@ -35,6 +35,7 @@ def information(adjustment: Adjustment) -> tuple[float, float]:
 
 
 def number_differences(a: Adjustment, b: Adjustment) -> tuple[NumberDifference, ...]:
+    """Return the figures of both; AIC and BIC judge only where both adjusted the same number of observations."""
     information_a, information_b = information(a), information(b)
     same = a.observations == b.observations and math.isclose(a.prior_px, b.prior_px)
 

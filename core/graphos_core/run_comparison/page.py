@@ -33,11 +33,11 @@ def comparison_sections(c: Comparison) -> tuple[Section, ...]:
     """Return the sections: recipe, figures, cameras, photos, object points, check points."""
     return (
         Section("recipe", Text("What was done differently"), "", _recipe(c)),
-        Section("figures", Text("Figures"), "adjustment/bundle", (_numbers(c),)),
-        Section("cameras", Text("Cameras"), "adjustment/self-calibration", _cameras(c)),
+        Section("figures", Text("Figures"), "adjustment/comparing-runs", (_numbers(c),)),
+        Section("cameras", Text("Cameras"), "adjustment/significance", _cameras(c)),
         Section("photos", Text("Photos"), "adjustment/orientation", _photos(c)),
         Section("points", Text("Object points"), "adjustment/intersection", _points(c)),
-        Section("check", Text("Check points"), "adjustment/georeferencing", _check(c)),
+        Section("check", Text("Check points"), "adjustment/check-points", _check(c)),
     )
 
 
@@ -56,8 +56,9 @@ def comparison_text(c: Comparison) -> str:
 
 def table_lines(table: Table) -> list[str]:
     """Return a table as aligned lines of text."""
-    rows = [list(table.heads)] if any(table.heads) else []
-    rows += [list(row) for row in table.rows]
+    columns = len(table.heads) - table.last_text  # definitions are for the page
+    rows = [list(table.heads)[:columns]] if any(table.heads) else []
+    rows += [list(row)[:columns] for row in table.rows]
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))] if rows else []
     lines = [str(table.title)] if table.title else []
     for row in rows:
@@ -83,7 +84,9 @@ def _tiles(c: Comparison) -> list[tuple[str, str]]:
 
 def _recipe(c: Comparison) -> Sequence[Part]:
     if not c.recipe:
-        return (Paragraph(Text("The recipes agree in every choice and parameter, as far as they are known.")),)
+        return (
+            Paragraph(Text("The recipes agree in every choice and parameter, as far as they are known.")),
+        )
     rows = [
         (d.where, d.label, _setting(d.a, d.unit), _setting(d.b, d.unit)) for d in c.recipe
     ]  # fmt: skip
@@ -99,9 +102,10 @@ def _setting(value: Any, unit: str) -> str:
 
 
 def _numbers(c: Comparison) -> Table:
-    rows = [(n.label, n.unit, _number(n.a), _number(n.b), _delta(n), n.better.upper()) for n in c.numbers]
-    note = " ".join(f"{n.label}: {n.definition}" for n in c.numbers if n.definition)
-    return Table(("", "Unit", "A", "B", "B − A", "better"), rows, left=2, note=note)
+    rows = [
+        (n.label, n.unit, _number(n.a), _number(n.b), _delta(n), n.better.upper(), n.definition) for n in c.numbers
+    ]  # fmt: skip
+    return Table(("", "Unit", "A", "B", "B − A", "better", "Definition"), rows, left=2, last_text=True)
 
 
 def _delta(n: NumberDifference) -> str:
@@ -181,18 +185,24 @@ def _points(c: Comparison) -> Sequence[Part]:
         ("Median σ per coordinate in A", format_value(p.sigma_a, unit=unit, digits=3)),
         ("Median σ per coordinate in B", format_value(p.sigma_b, unit=unit, digits=3)),
     ]  # fmt: skip
-    note = Text("Points are recognised by an image measurement that both have. σ: from the covariance, precision.")
+    note = Text(
+        "Points are recognised by an image measurement that both have. σ: from the covariance, precision."
+    )
     return (Table(("", ""), rows, note=note),)
 
 
 def _check(c: Comparison) -> Sequence[Part]:
     if c.check.rms_a is None and c.check.rms_b is None:
-        return (Paragraph(Text("Neither has check points: nothing independent says which of the two is right.")),)
+        return (
+            Paragraph(Text("Neither has check points: nothing independent says which of the two is right.")),
+        )
     rows = []
     for label, count, rms in (("A", c.check.count_a, c.check.rms_a), ("B", c.check.count_b, c.check.rms_b)):
         cells = [_number(1000 * v, 3) for v in rms] if rms else [UNKNOWN] * 3
         rows.append((label, format_number(count), *cells))
-    note = Text("Root mean square per axis of computed − given. Check points took no part: they measure accuracy.")
+    note = Text(
+        "Root mean square per axis of computed − given. Check points took no part: they measure accuracy."
+    )
     return (Table(("", "points", "X mm", "Y mm", "Z mm"), rows, note=note),)
 
 

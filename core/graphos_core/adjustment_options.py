@@ -1,0 +1,30 @@
+"""The options of ``graphos report`` and ``graphos compare``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+
+def add_report(words: Any) -> None:
+    """Add the word ``report`` to the command line."""
+    report = words.add_parser("report", help="the report of a run as PDF")
+    report.add_argument(
+        "project", type=Path, metavar="PROJECT_OR_RUN", help="folder of a project, or of one of its runs"
+    )
+    report.add_argument(
+        "--pdf", type=Path, metavar="FILE", help="PDF file to write (default: report.pdf in that folder)"
+    )
+    report.add_argument("--out", type=Path, help="folder for report.html, report.json and report.pdf")
+
+
+def add_compare(words: Any) -> None:
+    """Add the word ``compare`` with its second words to the command line."""
+    compare = words.add_parser("compare", help="two results side by side: graphos compare runs A B")
+    things = compare.add_subparsers(dest="thing", metavar="THING", required=True)
+    runs = things.add_parser(
+        "runs", help="two adjustments of one block: recipe, figures, cameras, photos, points"
+    )
+    runs.add_argument("a", type=Path, metavar="A", help="project, run (MODEL/runs/0001) or stored result")
+    runs.add_argument("b", type=Path, metavar="B", help="the same; differences are B − A")
+    runs.add_argument("--out", type=Path, help="folder for comparison.json and comparison.html")
