@@ -15,7 +15,7 @@ import numpy as np
 from graphos_core.cameras.chain import without_distortion
 from graphos_core.cameras.conversion import format_grid
 from graphos_core.cameras.model import camera_model, derivatives, last_pixel_from_ray, last_ray_from_pixel
-from graphos_core.cameras.projections import ideal_direction, on_sphere
+from graphos_core.cameras.projections import REACH, ideal_direction, on_sphere
 from graphos_core.data.cameras import Camera
 from graphos_core.data.record import Array
 
@@ -113,7 +113,8 @@ def balanced_profile(
     zero_px : float, optional
         The radius r0; by default two thirds of half the diagonal.
     """
-    zero = BALANCE_SHARE * half_diagonal(camera) if zero_px is None else float(zero_px)
+    reach = min(half_diagonal(camera), camera.focal_px * REACH[camera_model(camera.model).projection])
+    zero = BALANCE_SHARE * reach if zero_px is None else float(zero_px)
     radius = radii(camera) if radius_px is None else np.asarray(radius_px, dtype=np.float64)
     across, _, slopes, _ = _around(camera, np.append(radius, zero))
     value, slope = across.mean(axis=1), slopes.mean(axis=1)

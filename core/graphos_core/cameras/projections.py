@@ -85,8 +85,12 @@ def ideal_direction(projection: str, position: Array) -> Array:
     return np.stack([across * u, across * v, np.cos(theta)], axis=1)
 
 
+REACH = {"central": np.inf, "equidistant": np.pi, "equisolid": 2.0, "spherical": 0.5 * np.pi}
+"""Distance from the axis, in units of f, up to which positions in every direction belong to a ray."""
+
+
 def on_sphere(projection: str, position: Array) -> Array:
     """Say which positions (n, 2) of a wide projection belong to a direction: bool (n,)."""
     if projection == "spherical":
         return np.asarray((np.abs(position[:, 0]) <= np.pi) & (np.abs(position[:, 1]) < 0.5 * np.pi))
-    return np.asarray(np.hypot(*position.T) < (np.pi if projection == "equidistant" else 2.0))
+    return np.asarray(np.hypot(*position.T) < REACH[projection])
