@@ -212,12 +212,20 @@ class Project:
 
         return read_control(inside(self.folder, self.settings.control))
 
+    def known_distances(self) -> tuple[KnownDistance, ...]:
+        """Return all known distances: that of the settings, and those of the table beside the control points."""
+        from graphos_core.exchange.distance_table import FILE as TABLE
+        from graphos_core.exchange.distance_table import read_distances
+
+        own: tuple[KnownDistance, ...] = ()
+        if self.settings.distance is not None:
+            a, b, metres = self.settings.distance
+            own = (KnownDistance(a=a, b=b, metres=metres),)
+        return (*own, *read_distances(self.folder / TABLE))
+
     def known_distance(self) -> KnownDistance | None:
-        """Return the known distance, if any."""
-        if self.settings.distance is None:
-            return None
-        a, b, metres = self.settings.distance
-        return KnownDistance(a=a, b=b, metres=metres)
+        """Return the first known distance that gives the scale, if any."""
+        return next((distance for distance in self.known_distances() if not distance.check), None)
 
     def reference_path(self) -> Path | None:
         """Return the path of the reference cloud or mesh, if any."""

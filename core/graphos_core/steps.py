@@ -161,7 +161,8 @@ def _georeference(pipeline: Pipeline, folder: Path, run: Run) -> Any:
 def _known(pipeline: Pipeline) -> Any:
     settings = pipeline.project.settings
     digests = []
-    for path in sorted(pipeline.project.folder.glob("control*")) if settings.control else []:
+    pattern = "control*" if settings.control else "control_distances*"
+    for path in sorted(pipeline.project.folder.glob(pattern)):
         digests.append([path.name, file_digest(path)])
     return {"control": digests, "distance": settings.distance}
 

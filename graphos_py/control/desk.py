@@ -95,7 +95,7 @@ class ControlDesk(QObject):
             self._kept = False
         self._folder, self._digests, self.problem = project.folder, digests, None
         try:
-            self.sheet = ControlSheet.from_known(*project.control())
+            self.sheet = ControlSheet.from_known(*project.control(), _own_distances(project))
         except GraphosError as problem:
             self.sheet, self.problem = ControlSheet(), problem
         self._original = (self.sheet, _files(project.folder))
@@ -160,6 +160,12 @@ class ControlDesk(QObject):
             self.save()
 
 
+def _own_distances(project: Any) -> Any:
+    """Return the distances of the table; that of the project's settings stays there."""
+    own = 0 if project.settings.distance is None else 1
+    return project.known_distances()[own:]
+
+
 def _digests(project: Any) -> list[Any]:
     from graphos_core.steps import file_digest
 
@@ -198,6 +204,9 @@ def _restore(project: Any, files: dict[str, bytes]) -> Callable[[Run], Any]:
 
         for name, content in files.items():
             write_bytes(project.folder / name, content)
+        for path in project.folder.glob("control*"):  # written here since, and kept in the earlier versions
+            if path.name not in files:
+                path.unlink()
         return project
 
     return work

@@ -7,15 +7,17 @@ from typing import Any
 import numpy as np
 from PySide6.QtCore import QSignalBlocker, Qt
 from PySide6.QtGui import QShowEvent
-from PySide6.QtWidgets import QLabel, QSplitter, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLabel, QSplitter, QTabWidget, QVBoxLayout, QWidget
 
 from graphos_core.adjustment.measuring.object_residuals import object_residuals
 from graphos_core.adjustment.measuring.prediction import Intersection
-from graphos_core.adjustment.measuring.sights import Sight, image_rms, known_place, sights
+from graphos_core.adjustment.measuring.sights import Sight, image_rms, known_place, marks_of_point, sights
 from graphos_core.data import Block
+from graphos_core.exchange.control_sheet import SheetPoint
 from graphos_core.number_format import format_value
 from graphos_core.params import Level
 from graphos_py.control.desk import ControlDesk
+from graphos_py.control.distances import DistancesPanel
 from graphos_py.control.measuring import MeasuringView, next_photo
 from graphos_py.control.table import ControlTable
 from graphos_py.session import Session
@@ -39,6 +41,11 @@ class ControlPage(QWidget):
         self.result: Any = None
         self._sights: list[Sight] = []
         self.table = ControlTable(self.desk, level)
+        self.distances = DistancesPanel(self.desk)
+        self.upper = QTabWidget()
+        self.upper.setDocumentMode(True)
+        self.upper.addTab(self.table, tr("Points"))
+        self.upper.addTab(self.distances, tr("Distances"))
         self.measuring = MeasuringView(self.desk)
         self.photos = TableView()
         self.photos.set_empty_text(tr("Photos of the chosen point"), tr("Choose a point above."))
@@ -58,7 +65,7 @@ class ControlPage(QWidget):
         lower.setStretchFactor(1, 1)
         lower.setSizes([theme().px(560), theme().px(260)])
         whole = QSplitter(Qt.Orientation.Vertical)
-        whole.addWidget(self.table)
+        whole.addWidget(self.upper)
         whole.addWidget(lower)
         whole.setSizes([theme().px(210), theme().px(420)])
         whole.setChildrenCollapsible(False)
@@ -82,6 +89,22 @@ class ControlPage(QWidget):
         self.result = result
         self.refresh()
 
+    def take_distance(self, points: tuple[int, int]) -> None:
+        """Make measured points of two object points of the block, and ask for their distance."""
+        block = self.block
+        if block is None:
+            return
+        sheet, names = self.desk.sheet, []
+        for point in points:
+            name = sheet.free_name("D")
+            sheet = sheet.with_points([SheetPoint(name)])
+            for photo, mark in marks_of_point(block, point).items():
+                sheet = sheet.marked(name, photo, mark)
+            names.append(name)
+        self.desk.edit(sheet, tr("Take {a} and {b} from the cloud", a=names[0], b=names[1]))
+        self.upper.setCurrentWidget(self.distances)
+        self.distances.offer(names[0], names[1])
+
     def show_photo(self, index: int) -> None:
         """Show another photo."""
         photos = self._photos()
@@ -94,6 +117,7 @@ class ControlPage(QWidget):
         if not self.isVisible():
             return
         block = self.block
+        self.distances.show_block(block)
         if block is not None:
             residuals = object_residuals(self.result.adjustment, self.result.georeference)
             self.table.model.set_residuals(residuals, image_rms(self.desk.sheet, block))

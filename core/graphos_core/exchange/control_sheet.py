@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from graphos_core.data import Control, ControlObservations
+from graphos_core.data import Control, ControlObservations, KnownDistance
 
 Role = Literal["control", "check", "off"]
 ROLES: tuple[Role, ...] = ("control", "check", "off")
@@ -57,8 +57,30 @@ class Mark:
 
 
 @dataclass(frozen=True)
+class SheetDistance:
+    """A known distance.
+
+    Attributes
+    ----------
+    a, b : str
+        Names of two points, or of two photos (distance of their projection centres).
+    metres : float
+    sigma : float
+        A priori standard deviation, m; NaN takes the default of the adjustment.
+    check : bool
+        Takes no part and only checks the scale.
+    """
+
+    a: str
+    b: str
+    metres: float
+    sigma: float = math.nan
+    check: bool = False
+
+
+@dataclass(frozen=True)
 class ControlSheet:
-    """All points and their measurements.
+    """All points, their measurements and the known distances.
 
     Attributes
     ----------
@@ -68,21 +90,22 @@ class ControlSheet:
         ``marks[name of point, name of photo]``.
     crs : str
         ``"EPSG:25832"``, or empty for a local system.
+    distances : tuple of SheetDistance
     """
 
     points: tuple[SheetPoint, ...] = ()
     marks: Mapping[tuple[str, str], Mark] = field(default_factory=dict)
     crs: str = ""
+    distances: tuple[SheetDistance, ...] = ()
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, ControlSheet) and repr(self._plain()) == repr(
-            other._plain()
-        )  # NaN equals NaN
+        # as text, because there NaN equals NaN
+        return isinstance(other, ControlSheet) and repr(self._plain()) == repr(other._plain())
 
     __hash__ = None  # type: ignore[assignment]
 
     def _plain(self) -> tuple[object, ...]:
-        return self.points, sorted(self.marks.items()), self.crs
+        return self.points, sorted(self.marks.items()), self.crs, self.distances
 
     def index(self, name: str) -> int:
         """Return the row of a point, −1 where there is none."""
@@ -119,7 +142,10 @@ class ControlSheet:
         marks = {
             (point.name if name == old else name, photo): mark for (name, photo), mark in self.marks.items()
         }
-        return replace(self, points=(*self.points[:row], point, *self.points[row + 1 :]), marks=marks)
+        points = (*self.points[:row], point, *self.points[row + 1 :])
+        ends = {old: point.name}
+        distances = tuple(replace(d, a=ends.get(d.a, d.a), b=ends.get(d.b, d.b)) for d in self.distances)
+        return replace(self, points=points, marks=marks, distances=distances)
 
     def with_points(self, points: Iterable[SheetPoint]) -> ControlSheet:
         """Return the sheet with points added; one whose name is there replaces that row."""
@@ -128,11 +154,12 @@ class ControlSheet:
         return replace(self, points=tuple(rows.values()))
 
     def without(self, names: Iterable[str]) -> ControlSheet:
-        """Return the sheet without points and their measurements."""
+        """Return the sheet without points, their measurements and distances."""
         gone = set(names)
         return replace(
             self, points=tuple(p for p in self.points if p.name not in gone),
             marks={key: mark for key, mark in self.marks.items() if key[0] not in gone},
+            distances=tuple(d for d in self.distances if not {d.a, d.b} & gone),
         )  # fmt: skip
 
     def marked(self, name: str, photo: str, mark: Mark | None) -> ControlSheet:
@@ -145,10 +172,19 @@ class ControlSheet:
     # ------------------------------------------------------------------------------------------------- records
 
     @classmethod
-    def from_known(cls, control: Control | None, measured: ControlObservations | None) -> ControlSheet:
+    def from_known(
+        cls,
+        control: Control | None,
+        measured: ControlObservations | None,
+        distances: Iterable[KnownDistance] = (),
+    ) -> ControlSheet:
         """Return the sheet of the records that a project reads."""
+        known = tuple(
+            SheetDistance(d.a, d.b, d.metres, math.nan if d.sigma is None else d.sigma, d.check)
+            for d in distances
+        )
         if control is None:
-            return cls()
+            return cls(distances=known)
         xyz = np.asarray(control.xyz) + np.asarray(control.origin)
         sigma = np.full_like(xyz, np.nan) if control.sigma is None else np.asarray(control.sigma)
         off = np.zeros(len(xyz), dtype=bool) if control.off is None else np.asarray(control.off)
@@ -164,7 +200,7 @@ class ControlSheet:
                 own = math.nan if measured.sigma_px is None else float(measured.sigma_px[i])
                 x, y = (float(v) for v in measured.xy[i])
                 marks[control.names[int(measured.point[i])], photo] = Mark(x, y, own)
-        return cls(points, marks, control.crs)
+        return cls(points, marks, control.crs, known)
 
 
 def _triple(values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> Triple:

@@ -8,6 +8,8 @@ import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from graphos_core.data import KnownDistance
+from graphos_core.exchange import distance_table
 from graphos_core.exchange.control_sheet import ControlSheet
 from graphos_core.store import write_bytes, write_text
 
@@ -47,13 +49,23 @@ def measurements_text(sheet: ControlSheet) -> str:
 
 
 def write_sheet(folder: Path, sheet: ControlSheet) -> None:
-    """Write ``control.csv`` and ``control_measurements.csv`` into a project folder, each atomically.
+    """Write ``control.csv``, ``control_measurements.csv`` and, where there are or were any, ``control_distances.csv``.
+
+    Each is written atomically, into a project folder.
 
     Raises
     ------
     UserError
         When the folder cannot be written.
     """
+    known = [
+        KnownDistance(
+            a=d.a, b=d.b, metres=d.metres, sigma=d.sigma if math.isfinite(d.sigma) else None, check=d.check
+        )
+        for d in sheet.distances
+    ]
+    if known or (folder / distance_table.FILE).is_file():
+        write_text(folder / distance_table.FILE, distance_table.distances_text(known))
     write_text(folder / MARKS, measurements_text(sheet))
     write_text(folder / POINTS, control_text(sheet))
 
@@ -66,7 +78,11 @@ def keep_version(folder: Path) -> Path | None:
     UserError
         When the folder cannot be written.
     """
-    files = {name: (folder / name).read_bytes() for name in (POINTS, MARKS) if (folder / name).is_file()}
+    files = {
+        name: (folder / name).read_bytes()
+        for name in (POINTS, MARKS, distance_table.FILE)
+        if (folder / name).is_file()
+    }
     kept = sorted(path for path in (folder / EARLIER).glob("[0-9][0-9][0-9][0-9]") if path.is_dir())
     last = {path.name: path.read_bytes() for path in kept[-1].iterdir()} if kept else {}
     if not files or files == last:

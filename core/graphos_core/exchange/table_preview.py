@@ -168,7 +168,7 @@ def _columns(head: Sequence[Sequence[str]], first: Sequence[str], decimal: str) 
         found: dict[str, int] = {}
         unit = "m"
         for index, cell in enumerate(row):
-            title, cell_unit = _title(cell)
+            title, cell_unit = title_and_unit(cell)
             name = next((f for f, words in FIELDS.items() if title in words and f not in found), "")
             if name:
                 found[name] = index
@@ -182,7 +182,7 @@ def _columns(head: Sequence[Sequence[str]], first: Sequence[str], decimal: str) 
     return {name: i for i, name in enumerate(order[: max(numeric, 4)])}, "m"
 
 
-def _title(cell: str) -> tuple[str, str]:
+def title_and_unit(cell: str) -> tuple[str, str]:
     """Split ``"X [mm]"`` or ``"x_m"`` into name and unit."""
     text = cell.strip().casefold().replace("_", " ")
     match = re.fullmatch(r"(.*?)\s*[\[(]\s*([^\])]*)\s*[\])]", text)

@@ -106,3 +106,30 @@ def _state(mark: Mark | None, oriented: bool, prediction: Prediction | None) -> 
     if not prediction.inside:
         return "out of sight"
     return "line" if prediction.source == "lines" else "predicted"
+
+
+def measured_distance(sheet: ControlSheet, block: Block, a: str, b: str) -> float:
+    """Return the distance of two measured points, or of two projection centres, in the unit of the block.
+
+    NaN where an end is neither a point that two rays intersect nor an oriented photo.
+    """
+    ends = [_end(sheet, block, name) for name in (a, b)]
+    return float(np.linalg.norm(ends[0] - ends[1]))
+
+
+def _end(sheet: ControlSheet, block: Block, name: str) -> Array:
+    index = {photo: i for i, photo in enumerate(block.names)}
+    measured = {index[photo]: mark.xy for photo, mark in sheet.marks_of(name).items() if photo in index}
+    if not measured and name in index and block.oriented[index[name]]:
+        return np.asarray(block.centres[index[name]])
+    xyz = intersect(block, measured).xyz
+    return np.full(3, np.nan) if xyz is None else xyz
+
+
+def marks_of_point(block: Block, point: int) -> Mapping[str, Mark]:
+    """Return the observations of an object point as measurements by photo: a tie point becomes a named point."""
+    mine = np.flatnonzero(np.asarray(block.obs_point) == point)
+    return {
+        block.names[int(block.obs_photo[i])]: Mark(*(round(float(v), 4) for v in block.obs_xy[i]))
+        for i in mine
+    }
