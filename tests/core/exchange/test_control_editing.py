@@ -6,13 +6,19 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
+from graphos_core.errors import UserError
 from graphos_core.exchange.control import read_control
-from graphos_core.exchange.control_sheet import ControlSheet, Mark, SheetPoint
+from graphos_core.exchange.control_sheet import ControlSheet, Mark, SheetDistance, SheetPoint
 from graphos_core.exchange.control_writing import keep_version, write_sheet
+from graphos_core.exchange.distance_table import read_distances
 from graphos_core.exchange.table_preview import guess, read_points
+from graphos_core.pipeline import Pipeline
+from graphos_core.project import Project
+from graphos_core.recipe import Recipe
 
 SHEET = ControlSheet(
     points=(
@@ -96,3 +102,53 @@ def test_bad_lines_are_named_and_the_rest_is_read() -> None:
     assert [p.name for p in points] == ["A", "D"] and math.isnan(points[1].xyz[2])
     assert [problem.line for problem in bad] == [3, 4, 5]
     assert "two" in bad[0].why and "maybe" in bad[1].why and "twice" in bad[2].why
+
+
+DISTANCES = ControlSheet(
+    distances=(SheetDistance("A", "B", 2.5, 0.001), SheetDistance("a.jpg", "b.jpg", 1.0, check=True))
+)
+
+
+def test_distances_read_back_and_follow_renamed_points(tmp_path: Path) -> None:
+    write_sheet(tmp_path, DISTANCES)
+    read = read_distances(tmp_path / "control_distances.csv")
+    assert ControlSheet.from_known(None, None, read) == DISTANCES
+    write_sheet(tmp_path, ControlSheet())  # the last one was removed
+    assert read_distances(tmp_path / "control_distances.csv") == ()
+    sheet = replace(SHEET, distances=(SheetDistance("T1", "tie", 1.0),))
+    assert sheet.with_point(0, replace(SHEET.points[0], name="N")).distances[0].a == "N"
+    assert not sheet.without(["T1"]).distances
+
+
+@pytest.mark.parametrize(
+    ("line", "word"),
+    [
+        ("A,A,1", "different"),
+        ("A,B,-1", "more than 0"),
+        ("A,B,long", "long"),
+        ("A,B,1,-2", "sigma"),
+        ("A,B,1,,x", "role"),
+    ],
+)
+def test_a_bad_distance_is_named_with_its_line(tmp_path: Path, line: str, word: str) -> None:
+    path = tmp_path / "control_distances.csv"
+    path.write_text(f"from,to,distance [mm],sigma,role\nA,C,2500,1,\n{line}\n", "utf-8")
+    with pytest.raises(UserError, match=f"(?s)line 3.*{word}"):
+        read_distances(path)
+    path.write_text("from,to,distance [mm]\nA,C,2500\n", "utf-8")
+    assert read_distances(path)[0].metres == 2.5
+
+
+def test_a_distance_of_the_table_gives_a_project_its_scale_and_changes_its_key(tmp_path: Path) -> None:
+    photos = tmp_path / "photos"
+    photos.mkdir()
+    for i in range(2):
+        noise = np.random.default_rng(i).integers(0, 255, (40, 60, 3), dtype=np.uint8)
+        cv2.imwrite(str(photos / f"{i}.png"), noise)
+    project = Project.create(tmp_path / "project", photos)
+    before = Pipeline(project, Recipe.default()).key("georeference")
+    assert project.known_distance() is None
+    write_sheet(project.folder, ControlSheet(distances=(SheetDistance("0.png", "1.png", 2.0),)))
+    found = project.known_distance()
+    assert found is not None and (found.a, found.b, found.metres) == ("0.png", "1.png", 2.0)
+    assert Pipeline(project, Recipe.default()).key("georeference") != before
