@@ -174,6 +174,7 @@ class MainWindow(QMainWindow):
         self.explain.tried.connect(self._try)
         for stage in STAGES:
             self.stage_tab(stage).explained.connect(self.explain.explain)
+            self.stage_tab(stage).lesson.connect(lambda name: self._learn("open_lesson", name))
         session.message.connect(self._message)
         session.bug.connect(self.show_bug)
         session.photos_moved.connect(self._photos_moved)

@@ -8,9 +8,9 @@ import numpy as np
 from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
 from graphos_core.data import Array, Cloud, DepthMap
-from graphos_py.tabs.adjustment import show_cameras
 from graphos_py.tabs.stage_tab import StageTab
 from graphos_py.translation import tr
+from graphos_py.views.block_cameras import show_cameras
 
 CLOUD, DEPTH = 0, 1
 

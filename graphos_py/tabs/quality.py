@@ -10,9 +10,9 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSplitter, QVBoxLayout, QWidget
 
 from graphos_core.roles import ComparisonResult
-from graphos_py.tabs.adjustment import show_cameras
 from graphos_py.tabs.stage_tab import StageTab
 from graphos_py.translation import tr
+from graphos_py.views.block_cameras import show_cameras
 
 LABELS = {
     "count": "number",

@@ -30,6 +30,7 @@ class StageTab(QWidget):
     empty = ("", "")
     empty_action = "Run"
     explained = Signal(object, str)
+    lesson = Signal(str)
 
     def __init__(self, session: Session, level: Level = "student") -> None:
         super().__init__()

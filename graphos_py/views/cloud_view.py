@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
 from graphos_core.data.cameras import Camera
 from graphos_core.data.record import Array
 from graphos_core.number_format import format_value
-from graphos_core.rendering import PreparedCloud
+from graphos_core.rendering import Lines, PreparedCloud
 from graphos_py.views.cloud_bar import CloudBar
 from graphos_py.views.cloud_canvas import CloudCanvas
 from graphos_py.views.cloud_overlay import CloudOverlay
@@ -54,6 +54,7 @@ class CloudView(QWidget):
         self.picked = -1
         self.selected_camera = -1
         self.measurement = Measurement(self.scene)
+        self.more_lines: Callable[[], list[Lines]] = list
         self._prepared: PreparedCloud | None = None
         self._prepared_mode = ""
         self._dense = False
@@ -251,6 +252,7 @@ class CloudView(QWidget):
                 ink, (accent.red(), accent.green(), accent.blue()), self.selected_camera
             )
             quads = scene.quads() if self.bar.photos.isChecked() else None
+        lines += self.more_lines()
         width, height = canvas.size_px()
         size = self.bar.size_slider.value()
         return Picture(

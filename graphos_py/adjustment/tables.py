@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from graphos_core.cameras.model import camera_model
-from graphos_core.data import Adjustment, Block, Georeference
+from graphos_core.data import Adjustment, Georeference
 from graphos_core.geometry.rotation import opk_from_matrix
 from graphos_core.number_format import format_value
 from graphos_py.translation import tr
@@ -46,31 +45,6 @@ def summary(adjustment: Adjustment, georeference: Georeference) -> list[tuple[st
 def endings(adjustment: Adjustment) -> list[tuple[str, str]]:
     """Return how the datum was defined and why the iterations ended."""
     return [(tr("Datum"), tr(adjustment.datum)), (tr("Iterations"), tr(adjustment.stop_reason))]
-
-
-def camera_columns(block: Block) -> list[Column]:
-    """Return one row per parameter of every camera: value, standard deviation and unit, or that it was held fixed."""
-    rows: list[tuple[str, str, str, float, float, str, str]] = []
-    for camera in block.cameras:
-        name, model = tr(camera.label) or tr("camera"), camera_model(camera.model)
-        for place, parameter in enumerate(model.parameters):
-            value = float(camera.values[place])
-            sigma = 0.0 if camera.sigmas is None else float(camera.sigmas[place])
-            state = tr("estimated") if sigma > 0 else tr("held fixed")
-            label, symbol = tr(parameter.label), parameter.symbol.replace("_", "")
-            rows.append((name, label, symbol, value, sigma or math.nan, parameter.unit, state))
-            if parameter.name == "focal_px" and camera.pixel_pitch_mm:
-                pitch = camera.pixel_pitch_mm
-                rows.append((name, label, "c", value * pitch, (sigma or math.nan) * pitch, "mm", state))
-    names, labels, symbols, values, sigmas, units, states = (list(column) for column in zip(*rows))
-    return [
-        Column(tr("camera"), names),
-        Column(tr("parameter"), labels),
-        Column(tr("symbol"), symbols),
-        Column(tr("value"), values, sigmas=sigmas, digits=6),
-        Column(tr("unit"), units),
-        Column(tr("state"), states),
-    ]
 
 
 def photo_columns(adjustment: Adjustment) -> list[Column]:

@@ -1,0 +1,68 @@
+"""What every page of the adjustment tab has."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QVBoxLayout, QWidget
+
+from graphos_core.params import Level
+from graphos_py.settings import LEVELS
+
+
+class ResultPage(QWidget):
+    """A page that shows a part of an adjustment; filled when it is seen, so that hidden pages cost nothing.
+
+    A subclass names its `label` and the lowest `level` that sees it, and fills itself in `fill`.
+
+    Signals
+    -------
+    photo_wanted(index)
+        A photo of the block.
+    lesson(name)
+        The person wants to read a lesson.
+    """
+
+    label = ""
+    level: Level = "novice"
+    photo_wanted = Signal(int)
+    lesson = Signal(str)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.result: Any = None
+        self._stale = False
+        self.column = QVBoxLayout(self)
+        self.column.setContentsMargins(0, 0, 0, 0)
+        self.column.setSpacing(0)
+
+    def show_result(self, result: Any) -> None:
+        """Take an `AdjustmentResult`, or None for none."""
+        self.result, self._stale = result, True
+        if self.isVisible():
+            self._refresh()
+
+    def fill(self) -> None:
+        """Fill the page from `result`, which may be None."""
+        raise NotImplementedError
+
+    def show_photo(self, index: int) -> None:
+        """Another photo was selected; nothing by default."""
+
+    def set_level(self, level: Level) -> None:
+        """Show what belongs to a level; nothing by default."""
+
+    def seen_by(self, level: Level) -> bool:
+        """Return whether a level sees this page."""
+        return LEVELS.index(self.level) <= LEVELS.index(level)
+
+    def _refresh(self) -> None:
+        if self._stale:
+            self._stale = False
+            self.fill()
+
+    def showEvent(self, event: Any) -> None:
+        """Fill what is stale."""
+        super().showEvent(event)
+        self._refresh()
