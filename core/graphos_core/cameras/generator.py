@@ -7,7 +7,7 @@ exactly; common subexpressions are computed once.
 A forward model is two steps, the projection ray → (u, v) and the equations (u, v) → pixel, whose derivatives are
 chained. A backward model gives (u, v) from the pixel; its kernel solves for the pixel by Newton's method and takes the
 derivatives of the implicit function at the solution: with J = ∂(u, v)/∂(x, y), ∂pixel/∂(u, v) = J⁻¹ and
-∂pixel/∂p = −J⁻¹ ∂(u, v)/∂p.
+∂pixel/∂p = −J⁻¹ ∂(u, v)/∂p. It gets a second kernel for residuals in the corrected picture, which needs no solution.
 """
 
 from __future__ import annotations
@@ -30,27 +30,27 @@ Written by `graphos_core.cameras.generator` with SymPy {version} from `{module}`
 
 from graphos_core.cameras.entry import SIGNATURE
 from graphos_core.data.record import Array
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def kernel(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
-) -> bool:
-    """Project one point with derivatives; see `graphos_core.cameras.model` for the signature."""
-    if {no_image}:
-        return False
 '''
 
-_TAIL = '''    return True
+_KERNEL = '''
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def {kernel}(
+    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
+) -> bool:
+    """{what}; see `graphos_core.cameras.model`."""
+    if {no_image}:
+        return False
+{body}    return True
 
 
 @cfunc(SIGNATURE, cache=True, error_model="numpy")
-def entry(
+def {entry}(
     values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
 ) -> int:
-    """Call `kernel` from compiled code by address; see `graphos_core.cameras.entry`."""
+    """Call `{kernel}` from compiled code by address; see `graphos_core.cameras.entry`."""
     return int(
-        kernel(
+        {kernel}(
             carray(values, ({count},)),
             x,
             y,
@@ -63,22 +63,35 @@ def entry(
 '''
 
 
+_WHAT = {
+    "kernel": "Project one point with derivatives",
+    "residual_kernel": "Add to the measured position in `pixel` its residual in the corrected picture",
+}
+
+
 def kernel_source(model: CameraModel) -> str:
     """Return the text of the file with the kernel of a model whose equations are given."""
     import sympy
 
     if model.equations is None:
         raise ValueError(f"{model.name} has a kernel written by hand")
-    body = _projection(sympy, model) + (_backward if model.backward else _forward)(sympy, model)
-    functions = [name for name in ("atan2", "sqrt") if f"{name}(" in body]
-    head = _HEAD.format(
+    ideal = _projection(sympy, model)
+    kernels = {"kernel": ideal + (_backward if model.backward else _forward)(sympy, model)}
+    if model.backward:
+        kernels["residual_kernel"] = ideal + _at_measured(sympy, model)
+    functions = [name for name in ("atan2", "sqrt") if f"{name}(" in ideal]
+    text = _HEAD.format(
         label=model.label,
         version=sympy.__version__,
         module=model.equations.__module__,
         imports=f"from math import {', '.join(functions)}\n\n" if functions else "",
-        no_image=NO_IMAGE[model.projection],
     )
-    return head + body + _TAIL.format(count=len(model.parameters))
+    for name, body in kernels.items():
+        text += _KERNEL.format(
+            kernel=name, entry=name.replace("kernel", "entry"), what=_WHAT[name], body=body,
+            no_image=NO_IMAGE[model.projection], count=len(model.parameters),
+        )  # fmt: skip
+    return text
 
 
 def write_all(folder: Path = FOLDER) -> list[Path]:
@@ -122,6 +135,31 @@ def _forward(sympy: Any, model: CameraModel) -> str:
 
 def _backward(sympy: Any, model: CameraModel) -> str:
     """Return the lines that solve the equations for the pixel and differentiate the solution."""
+    residual, inner = _from_measured(sympy, model)
+    lines = _read(model) + _SOLVE.format(equations=_assignments(sympy, residual, "t", 8))
+    lines += _assignments(sympy, inner, "w")
+    for k in range(len(model.parameters)):
+        lines += f"    d_values[0, {k}] = -(x_u * u_p{k} + x_v * v_p{k})\n"
+        lines += f"    d_values[1, {k}] = -(y_u * u_p{k} + y_v * v_p{k})\n"
+    return lines + _CHAIN
+
+
+def _at_measured(sympy: Any, model: CameraModel) -> str:
+    """Return the lines that compare the ideal position with the corrected measured one, times f."""
+    residual, inner = _from_measured(sympy, model)
+    now = {name: residual[name] for name in ("u_now", "v_now")}
+    lines = _read(model) + "    px = pixel[0]\n    py = pixel[1]\n" + _assignments(sympy, now | inner, "t")
+    lines += "    pixel[0] = px + focal_px * (u - u_now)\n    pixel[1] = py + focal_px * (v - v_now)\n"
+    for i, axis in enumerate("uv"):
+        lines += f"    d_values[{i}, 0] = {axis} - {axis}_now - focal_px * {axis}_p0\n"
+        for k in range(1, len(model.parameters)):
+            lines += f"    d_values[{i}, {k}] = -focal_px * {axis}_p{k}\n"
+        lines += "".join(f"    d_point[{i}, {k}] = focal_px * {axis}_{d}\n" for k, d in enumerate("xyz"))
+    return lines
+
+
+def _from_measured(sympy: Any, model: CameraModel) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the ideal position of a pixel with its derivatives by the pixel, and those by the parameters."""
     assert model.equations is not None
     measured, parameters = _symbols(sympy, ("px", "py")), _symbols(sympy, model.names)
     outputs = model.equations(SimpleNamespace(**parameters), *measured.values())
@@ -131,12 +169,7 @@ def _backward(sympy: Any, model: CameraModel) -> str:
     inner: dict[str, Any] = {}
     for k, symbol in enumerate(parameters.values()):
         inner |= {f"{'uv'[i]}_p{k}": sympy.diff(value, symbol) for i, value in enumerate(outputs)}
-    lines = _read(model) + _SOLVE.format(equations=_assignments(sympy, residual, "t", 8))
-    lines += _assignments(sympy, inner, "w")
-    for k in range(len(parameters)):
-        lines += f"    d_values[0, {k}] = -(x_u * u_p{k} + x_v * v_p{k})\n"
-        lines += f"    d_values[1, {k}] = -(y_u * u_p{k} + y_v * v_p{k})\n"
-    return lines + _CHAIN
+    return residual, inner
 
 
 _CHAIN = "".join(

@@ -10,6 +10,12 @@ with ``values`` float64 (k,), the point (x, y, z) in the camera frame, and three
 ``d_point`` (2, 3) = ∂pixel/∂(x, y, z), ``d_values`` (2, ≥ k) = ∂pixel/∂values. It returns False for a point that has
 no image (behind the camera); the outputs are then undefined. `graphos_core.cameras.kernels.project` dispatches on
 `CameraModel.code` inside compiled code.
+
+Programs with backward models take residuals in the corrected picture: the measured position is corrected with the
+parameters of the moment and compared with the ideal one. `CameraModel.residual_code` finds a kernel for that: on entry
+``pixel`` holds the measured position, on return measured position + f·(ideal − corrected), so that subtracting the
+measured position leaves the residual in px; the derivatives are those of this residual. Forward models have no such
+residual, their `residual_code` is their `code`.
 """
 
 from __future__ import annotations
@@ -124,7 +130,12 @@ class CameraModel:
         A small number for an inlined kernel, else the address of the compiled entry in this process: never store it.
         The kernel is compiled when its code is first asked for.
         """
-        return _entry_address(self.name) if self.inlined is None else self.inlined
+        return _entry_address(self.name, "entry") if self.inlined is None else self.inlined
+
+    @property
+    def residual_code(self) -> int:
+        """As `code`, for residuals in the corrected picture where the model is backward."""
+        return _entry_address(self.name, "residual_entry") if self.backward else self.code
 
     @property
     def wide(self) -> bool:
@@ -142,9 +153,9 @@ class CameraModel:
 
 
 @cache
-def _entry_address(name: str) -> int:
+def _entry_address(name: str, entry: str) -> int:
     module = import_module(f"graphos_core.cameras.generated.{name}_kernels")
-    return int(module.entry.address)
+    return int(getattr(module, entry).address)
 
 
 @cache

@@ -62,6 +62,30 @@ def test_the_generated_kernel_computes_the_equations_of_the_model(name, typical)
         assert np.allclose(pixels, np.stack(model.equations(values, *ideal), axis=1), rtol=0, atol=1e-9)
 
 
+@pytest.mark.parametrize("name", [n for n in MODELS if camera_models()[n].backward])
+def test_residuals_in_the_corrected_picture_are_those_of_the_equations(name, typical):
+    model, values = camera_model(name), typical(name).values.copy()
+
+    def residual(v, point, measured):
+        pixel, slope, inner = measured.copy(), np.empty((2, 3)), np.empty((2, MAX_VALUES))
+        assert project(model.residual_code, v, *point, pixel, slope, inner)
+        return pixel - measured, slope, inner[:, : len(v)]
+
+    for point in points_of(model)[:6]:
+        measured = projected(model.code, values, point)[0] + [0.7, -0.4]
+        found, slope, inner = residual(values, point, measured)
+        corrected = model.equations(SimpleNamespace(**dict(zip(model.names, values, strict=True))), *measured)
+        assert np.allclose(found, values[0] * (point[:2] / point[2] - corrected), rtol=0, atol=1e-10)
+        for k in range(3):
+            h = 1e-6 * np.eye(3)[k]
+            numeric = residual(values, point + h, measured)[0] - residual(values, point - h, measured)[0]
+            assert np.allclose(slope[:, k], numeric / 2e-6, rtol=1e-7, atol=1e-4)
+        for k in range(len(values)):
+            h = 1e-5 * max(1.0, abs(values[k])) * np.eye(len(values))[k]
+            numeric = residual(values + h, point, measured)[0] - residual(values - h, point, measured)[0]
+            assert np.allclose(inner[:, k], numeric / (2 * h[k]), rtol=1e-6, atol=1e-6)
+
+
 @pytest.mark.parametrize("name", MODELS)
 @pytest.mark.parametrize("strong", [False, True])
 def test_distortion_is_undone_over_the_whole_format(name, strong, typical):

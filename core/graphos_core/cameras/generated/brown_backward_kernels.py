@@ -13,7 +13,7 @@ from graphos_core.data.record import Array
 def kernel(
     values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
 ) -> bool:
-    """Project one point with derivatives; see `graphos_core.cameras.model` for the signature."""
+    """Project one point with derivatives; see `graphos_core.cameras.model`."""
     if z <= 0.0:
         return False
     s0 = (1.0 / z)
@@ -222,6 +222,173 @@ def entry(
     """Call `kernel` from compiled code by address; see `graphos_core.cameras.entry`."""
     return int(
         kernel(
+            carray(values, (10,)),
+            x,
+            y,
+            z,
+            carray(pixel, (2,)),
+            carray(d_point, (2, 3)),
+            carray(d_values, (2, row)),
+        )
+    )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def residual_kernel(
+    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
+) -> bool:
+    """Add to the measured position in `pixel` its residual in the corrected picture; see `graphos_core.cameras.model`."""
+    if z <= 0.0:
+        return False
+    s0 = (1.0 / z)
+    s1 = (1.0 / (z*z))
+    u = s0*x
+    v = s0*y
+    u_x = s0
+    u_y = 0.0
+    u_z = -s1*x
+    v_x = 0.0
+    v_y = s0
+    v_z = -s1*y
+    focal_px = values[0]
+    x0 = values[1]
+    y0 = values[2]
+    k1 = values[3]
+    k2 = values[4]
+    k3 = values[5]
+    p1 = values[6]
+    p2 = values[7]
+    b1 = values[8]
+    b2 = values[9]
+    px = pixel[0]
+    py = pixel[1]
+    t0 = px - x0
+    t1 = (1.0 / focal_px)
+    t2 = b1 + 1
+    t3 = t1*t2
+    t4 = t0*t3
+    t5 = 2*p2
+    t6 = (1.0 / (focal_px*focal_px))
+    t7 = py - y0
+    t8 = t6*t7
+    t9 = t0*t2
+    t10 = t8*t9
+    t11 = (t7*t7)
+    t12 = t11*t6
+    t13 = (t2*t2)
+    t14 = (t0*t0)
+    t15 = t13*t14
+    t16 = t15*t6
+    t17 = t12 + 3*t16
+    t18 = t12 + t16
+    t19 = k3*t18
+    t20 = k2 + t19
+    t21 = k1 + t18*t20
+    t22 = t18*t21
+    t23 = t1*t7
+    t24 = 2*p1
+    t25 = 3*t12 + t16
+    t26 = p2*t25 + t10*t24 + t22*t23 + t23
+    t27 = t6*t9
+    t28 = (1.0 / (focal_px*focal_px*focal_px))
+    t29 = 4*t28*t7*t9
+    t30 = t11*t28
+    t31 = 2*t30
+    t32 = t15*t28
+    t33 = 2*t32
+    t34 = -t31 - t33
+    t35 = t21*t34
+    t36 = t19*t34 + t20*t34
+    t37 = t18*t4
+    t38 = t18*t23
+    t39 = -p1*t29 + p2*(-6*t30 - t33) - t22*t8 + t23*t35 + t36*t38 - t8
+    t40 = t2*t8
+    t41 = -2*px + 2*x0
+    t42 = t13*t41
+    t43 = t42*t6
+    t44 = 3*p1
+    t45 = t21*t28
+    t46 = t20*t6
+    t47 = t19*t43 + t42*t46
+    t48 = p2*t6
+    t49 = t45*t7
+    t50 = -t24*t40 + t38*t47 + t42*t48 + t42*t49
+    t51 = -2*py + 2*y0
+    t52 = t51*t6
+    t53 = t19*t52 + t20*t52
+    t54 = 3*p2*t51*t6 + t1*t18*t53*t7 - t1*t22 - t1 + t21*t28*t51*t7 - t24*t27
+    t55 = (t18*t18)
+    t56 = t23*t55
+    t57 = (t18*t18*t18)
+    t58 = t23*t57
+    t59 = 2*t10
+    t60 = t0*t1
+    t61 = t0*t8
+    t62 = 2*b1 + 2
+    t63 = t14*t62
+    t64 = t6*t63
+    t65 = t19*t64 + t46*t63
+    t66 = t24*t61 + t38*t65 + t48*t63 + t49*t63
+    u_now = b2*t26 + p1*t17 + t10*t5 + t22*t4 + t4
+    v_now = t26
+    u_p0 = b2*t39 + p1*(-t31 - 6*t32) - p2*t29 - t22*t27 - t27 + t35*t4 + t36*t37
+    v_p0 = t39
+    u_p1 = b2*t50 + t0*(t2*t2*t2)*t41*t45 - t22*t3 - t3 + t37*t47 - t40*t5 + t43*t44
+    v_p1 = t50
+    u_p2 = b2*t54 + p1*t52 - t27*t5 + t37*t53 + t45*t51*t9
+    v_p2 = t54
+    u_p3 = b2*t38 + t37
+    v_p3 = t38
+    u_p4 = b2*t56 + t4*t55
+    v_p4 = t56
+    u_p5 = b2*t58 + t4*t57
+    v_p5 = t58
+    u_p6 = b2*t59 + t17
+    v_p6 = t59
+    u_p7 = b2*t25 + t59
+    v_p7 = t25
+    u_p8 = b2*t66 + (t0*t0*t0)*t2*t45*t62 + t22*t60 + t37*t65 + t44*t64 + t5*t61 + t60
+    v_p8 = t66
+    u_p9 = t26
+    v_p9 = 0.0
+    pixel[0] = px + focal_px * (u - u_now)
+    pixel[1] = py + focal_px * (v - v_now)
+    d_values[0, 0] = u - u_now - focal_px * u_p0
+    d_values[0, 1] = -focal_px * u_p1
+    d_values[0, 2] = -focal_px * u_p2
+    d_values[0, 3] = -focal_px * u_p3
+    d_values[0, 4] = -focal_px * u_p4
+    d_values[0, 5] = -focal_px * u_p5
+    d_values[0, 6] = -focal_px * u_p6
+    d_values[0, 7] = -focal_px * u_p7
+    d_values[0, 8] = -focal_px * u_p8
+    d_values[0, 9] = -focal_px * u_p9
+    d_point[0, 0] = focal_px * u_x
+    d_point[0, 1] = focal_px * u_y
+    d_point[0, 2] = focal_px * u_z
+    d_values[1, 0] = v - v_now - focal_px * v_p0
+    d_values[1, 1] = -focal_px * v_p1
+    d_values[1, 2] = -focal_px * v_p2
+    d_values[1, 3] = -focal_px * v_p3
+    d_values[1, 4] = -focal_px * v_p4
+    d_values[1, 5] = -focal_px * v_p5
+    d_values[1, 6] = -focal_px * v_p6
+    d_values[1, 7] = -focal_px * v_p7
+    d_values[1, 8] = -focal_px * v_p8
+    d_values[1, 9] = -focal_px * v_p9
+    d_point[1, 0] = focal_px * v_x
+    d_point[1, 1] = focal_px * v_y
+    d_point[1, 2] = focal_px * v_z
+    return True
+
+
+@cfunc(SIGNATURE, cache=True, error_model="numpy")
+def residual_entry(
+    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
+) -> int:
+    """Call `residual_kernel` from compiled code by address; see `graphos_core.cameras.entry`."""
+    return int(
+        residual_kernel(
             carray(values, (10,)),
             x,
             y,

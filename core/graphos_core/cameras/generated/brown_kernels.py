@@ -13,7 +13,7 @@ from graphos_core.data.record import Array
 def kernel(
     values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
 ) -> bool:
-    """Project one point with derivatives; see `graphos_core.cameras.model` for the signature."""
+    """Project one point with derivatives; see `graphos_core.cameras.model`."""
     if z <= 0.0:
         return False
     s0 = (1.0 / z)
