@@ -12,22 +12,16 @@ from graphos_didactic.simulators.adjustment.network_params import NetworkParams
 
 
 def test_errors_scatter_as_the_covariance_says() -> None:
-    params = NetworkParams(tilt=35.0, roll=90.0, depth=1.0, photos=5)
-    names = ("focal_px", "x0", "y0", "k1", "p1")
-    expected = Network(params).sigmas
-    errors = np.array([[Network(params.replace(seed=s)).error(name) for name in names] for s in range(80)])
-    for i, name in enumerate(names):
-        assert errors[:, i].std() == pytest.approx(expected[name], rel=0.25), name
-        assert abs(errors[:, i].mean()) < 4 * expected[name] / np.sqrt(len(errors)), name
-
-
-def test_correlations_are_those_of_the_errors() -> None:
     params = NetworkParams(tilt=35.0, roll=0.0, depth=1.0, photos=5)
-    errors = np.array(
-        [[Network(params.replace(seed=s)).error(name) for name in ("x0", "p1")] for s in range(80)]
-    )
-    found = np.corrcoef(errors.T)[0, 1]
-    assert found == pytest.approx(Network(params).correlation("x0", b="p1"), abs=0.15)
+    names = ("focal_px", "x0", "y0", "k1", "p1")
+    truth = Network(params)
+    drawn = (Network(params.replace(seed=s)) for s in range(50))
+    errors = np.array([[network.error(name) for name in names] for network in drawn])
+    for i, name in enumerate(names):
+        assert errors[:, i].std() == pytest.approx(truth.sigmas[name], rel=0.35), name
+        assert abs(errors[:, i].mean()) < 4 * truth.sigmas[name] / np.sqrt(len(errors)), name
+    found = np.corrcoef(errors.T)[1, 4]
+    assert found == pytest.approx(truth.correlation("x0", b="p1"), abs=0.2)
 
 
 def test_parallel_views_of_a_plane_determine_neither_focal_length_nor_anything_that_imitates_it() -> None:
