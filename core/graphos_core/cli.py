@@ -44,10 +44,13 @@ def build_parser() -> argparse.ArgumentParser:
     gui.add_argument("project", nargs="?", type=Path, help="project folder to open")
 
     simulate = words.add_parser("simulate", help="make photos of a theoretical model with known truth")
-    simulate.add_argument("template", help="couple, triple, grid, orbital or facade")
+    simulate.add_argument("template", help="couple, triple, grid, orbital, facade or inside")
     simulate.add_argument("--out", type=Path, required=True, help="folder for photos and truth")
     simulate.add_argument("--width", type=_side, default=1600, help="photo width in px (default 1600)")
     simulate.add_argument("--height", type=_side, default=1200, help="photo height in px (default 1200)")
+    simulate.add_argument(
+        "--lens", choices=LENSES, default="perspective", help="kind of lens (default perspective)"
+    )
     simulate.add_argument(
         "--set", action="append", default=[], metavar="PARAMETER=VALUE", dest="assignments",
         help="parameter of the template; an unknown name lists the valid ones",

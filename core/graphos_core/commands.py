@@ -148,7 +148,7 @@ def _print_summary(report: dict[str, Any], folder: Path) -> None:
 
 def simulate(options: argparse.Namespace) -> int:
     """``graphos simulate``: photos of a theoretical model with known truth."""
-    from graphos_core.simulation.photo_block import simulate_photos
+    from graphos_core.simulation.photo_block import lens_camera, simulate_photos
     from graphos_core.simulation.templates import TEMPLATES
 
     if options.template not in TEMPLATES:
@@ -168,8 +168,8 @@ def simulate(options: argparse.Namespace) -> int:
     check_writable(options.out)
     progress = console(options, options.seed or 0)
     block = simulate_photos(
-        options.template, options.out, params=sheet.from_dict(values), width=options.width, height=options.height,
-        seed=options.seed or 0, run=progress,
+        options.template, options.out, params=sheet.from_dict(values),
+        camera=lens_camera(options.lens, options.width, options.height), seed=options.seed or 0, run=progress,
     )  # fmt: skip
     print(f"{len(block.names)} photos with truth in {options.out}")
     return 0

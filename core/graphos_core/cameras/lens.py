@@ -10,6 +10,7 @@ import numpy as np
 
 from graphos_core.cameras.model import camera_model
 from graphos_core.data.cameras import Camera
+from graphos_core.data.record import Array
 from graphos_core.text import Text
 
 Lens = Literal["perspective", "fisheye-equidistant", "fisheye-equisolid", "spherical"]
@@ -26,6 +27,18 @@ LENSES = tuple(MODEL_OF_LENS)
 
 CIRCLE = {"fisheye_equidistant": math.pi / 2.0, "fisheye_equisolid": math.sqrt(2.0)}
 """Radius of the image circle of a field of 180°, in principal distances."""
+
+FIELD = math.radians(185.0)
+"""Field of view of a simulated fish-eye lens, from edge to edge of the image circle."""
+
+
+def within_field(camera: Camera, directions: Array) -> Array:
+    """Say which directions (…, 3) of the camera frame fall into the image circle of a fish-eye; all for others."""
+    directions = np.asarray(directions)
+    if camera.model not in CIRCLE:
+        return np.ones(directions.shape[:-1], dtype=bool)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(directions[..., 2] >= math.cos(FIELD / 2.0) * np.linalg.norm(directions, axis=-1))
 
 
 def with_lens(camera: Camera, lens: str) -> Camera:

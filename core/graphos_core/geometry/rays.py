@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from graphos_core.cameras import camera_model, ray_from_pixel
+from graphos_core.cameras.model import derivatives
 from graphos_core.data import Array, Camera
 
 
@@ -77,10 +78,10 @@ def rays_of(camera: Camera, pixels: Array) -> Rays:
     found = ray_from_pixel(camera, pixels)
     if not camera_model(camera.model).wide:
         return ideal_rays(found[:, :2], camera.focal_px)
-    from graphos_core.geometry.ray_kernels import wide_frames
-
-    values = np.ascontiguousarray(camera.values, dtype=np.float64)
-    return Rays(found, wide_frames(camera_model(camera.model).code, values, found), central=False)
+    slopes = np.full((len(found), 2, 3), np.nan)
+    there = np.isfinite(found).all(axis=1)
+    slopes[there] = derivatives(camera, found[there])[1]
+    return Rays(found, np.concatenate([slopes, found[:, None]], axis=1), central=False)
 
 
 def as_rays(rays: Rays | Array) -> Rays:

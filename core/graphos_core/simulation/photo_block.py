@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import io
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from graphos_core.cameras import camera_model
+from graphos_core.cameras.lens import with_lens
 from graphos_core.data.cameras import Camera
 from graphos_core.data.record import record
 from graphos_core.errors import UserError
@@ -79,6 +81,27 @@ def demo_camera(width: int = 1600, height: int = 1200) -> Camera:
         pixel_pitch_mm=23.5 / width,
         focal_source="true value of the simulation",
     )
+
+
+def lens_camera(lens: str, width: int = 1200, height: int = 1200) -> Camera:
+    """Return a simulated camera of a lens: `demo_camera`, or a fish-eye of 180° in the shorter side, or a panorama.
+
+    The fish-eye has its principal point off centre and radial coefficients that move the edge by some pixels.
+    """
+    if lens == "perspective":
+        return demo_camera(width, height)
+    side = min(width, height)
+    centre = 0.5 * (width - 1), 0.5 * (height - 1)
+    start = Camera(model="basic", width=width, height=height, values=np.array([1.0, *centre, 0.0, 0.0]),
+                   label="Simulated camera", pixel_pitch_mm=0.006, focal_estimated=True)  # fmt: skip
+    start = with_lens(start, lens)
+    values = np.array(start.values)
+    if lens != "spherical":
+        names = camera_model(start.model).names
+        values[:3] = 0.97 * values[0], centre[0] + 0.003 * side, centre[1] - 0.002 * side
+        values[names.index("k1")], values[names.index("k2")] = 0.012, -0.006
+    source = "true value of the simulation"
+    return replace(start, values=values, focal_estimated=False, focal_source=source)
 
 
 def simulate_photos(
@@ -177,7 +200,7 @@ def _prepare(out: Path, names: tuple[str, ...]) -> None:
 
 
 def _texel(stations: Stations, camera: Camera, scene: str) -> float:
-    reach = {"statue": 1.0, "terrain": 1.0, "facade": 0.5}.get(
+    reach = {"statue": 1.0, "terrain": 1.0, "facade": 0.5, "courtyard": 0.0}.get(
         scene, 0.0
     )  # from the focus to what faces the camera
     distance = float(np.median(np.linalg.norm(stations.centres, axis=1)))

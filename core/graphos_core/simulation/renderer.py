@@ -9,7 +9,8 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from graphos_core.cameras import ray_from_pixel
+from graphos_core.cameras import camera_model, ray_from_pixel
+from graphos_core.cameras.lens import within_field
 from graphos_core.data.cameras import Camera
 from graphos_core.data.record import Array
 from graphos_core.errors import UserError
@@ -80,15 +81,18 @@ class RayGrid:
     side : int
         Rays per pixel side.
     centre : float64 (h, w, 3)
-        Direction of each pixel's centre, camera frame, z = 1.
+        Direction of each pixel's centre, camera frame: z = 1, of wide cameras length 1.
     fine : float64 (h·side, w·side, 3)
         Directions of the subpixel samples.
+    lit : bool (h, w)
+        Pixels that light reaches: those in the image circle of a fish-eye, all of other cameras.
     """
 
     camera: Camera
     side: int
     centre: Array
     fine: Array
+    lit: Array
 
 
 def ray_grid(camera: Camera, side: int = 2, run: Run | None = None) -> RayGrid:
@@ -103,14 +107,19 @@ def ray_grid(camera: Camera, side: int = 2, run: Run | None = None) -> RayGrid:
     x, y = np.arange(camera.width, dtype=float), np.arange(camera.height, dtype=float)
     fine_x = (np.arange(camera.width * side) + 0.5) / side - 0.5
     fine_y = (np.arange(camera.height * side) + 0.5) / side - 0.5
-    grid = RayGrid(camera, side, _directions(camera, x, y, run), _directions(camera, fine_x, fine_y, run))
-    if not (np.isfinite(grid.centre).all() and np.isfinite(grid.fine).all()):
+    centre, fine = _directions(camera, x, y, run), _directions(camera, fine_x, fine_y, run)
+    lit = within_field(camera, centre)
+    if not lit.all():  # beyond the image circle: any direction, nothing of it is seen
+        lit &= np.isfinite(fine).all(axis=2).reshape(camera.height, side, camera.width, side).all(axis=(1, 3))
+        centre[~lit] = 0.0, 0.0, 1.0
+        fine[np.repeat(np.repeat(~lit, side, axis=0), side, axis=1)] = 0.0, 0.0, 1.0
+    if not (np.isfinite(centre).all() and np.isfinite(fine).all() and lit.any()):
         raise UserError(
             "This camera cannot be simulated.",
             "Its distortion folds over inside the format: some pixels have no ray of their own.",
             "Take smaller distortion coefficients or a longer principal distance.",
         )
-    return grid
+    return RayGrid(camera, side, centre, fine, lit)
 
 
 def _directions(camera: Camera, x: Array, y: Array, run: Run | None) -> Array:
@@ -145,7 +154,8 @@ def render(
     light : float32 (h, w, 3)
         Linear light at the lens, without vignetting and noise.
     depth : float32 (h, w)
-        z of the pixel's centre in the camera frame, m; NaN for the sky.
+        z of the pixel's centre in the camera frame, of wide cameras its distance, m; NaN for the sky and beyond the
+        image circle.
 
     Raises
     ------
@@ -186,7 +196,8 @@ def render(
             rays, hit["t_hit"], hit["primitive_ids"], hit["primitive_uvs"], hit["primitive_normals"], where,
             scene.corner_st, *tiles, pixel, light,
         )  # fmt: skip
-    depth[~np.isfinite(depth)] = np.nan
+    depth[~(np.isfinite(depth) & grid.lit)] = np.nan
+    light[~grid.lit] = 0.0
     return light, depth
 
 
@@ -200,11 +211,13 @@ def _cast(scene: Scene, rays: Array) -> dict[str, Array]:
 def expose(light: Array, grid: RayGrid, sensor: SensorParams, rng: np.random.Generator) -> Array:
     """Return the photo uint8 (h, w, 3) that the sensor makes of the light.
 
-    Vignetting by cos⁴ of the field angle, sRGB curve, noise as `SensorParams` says, rounding.
+    Vignetting by cos⁴ of the field angle (none for wide cameras, whose lenses are built against it), sRGB curve,
+    noise as `SensorParams` says, rounding.
     """
+    vignetting = 0.0 if camera_model(grid.camera.model).wide else sensor.vignetting
     noise = rng.standard_normal(light.shape, dtype=np.float32)
     out = np.empty(light.shape, np.uint8)
-    expose_light(light, grid.centre, noise, sensor.vignetting, sensor.read_noise, sensor.shot_noise, out)
+    expose_light(light, grid.centre, noise, vignetting, sensor.read_noise, sensor.shot_noise, out)
     return out
 
 

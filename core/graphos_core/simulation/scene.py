@@ -122,9 +122,14 @@ def ray_caster(vertices: Array, triangles: Array) -> Any:
 
 def scene_designs() -> dict[str, Callable[[int], Design]]:
     """Return every scene by name: a function of the seed."""
-    from graphos_core.simulation import facade, landscapes
+    from graphos_core.simulation import courtyard, facade, landscapes
 
-    return {"facade": facade.design, "terrain": landscapes.terrain, "statue": landscapes.statue}
+    return {
+        "facade": facade.design,
+        "terrain": landscapes.terrain,
+        "statue": landscapes.statue,
+        "courtyard": courtyard.design,
+    }
 
 
 def build_scene(name: str, *, seed: int = 0, texel_m: float = 0.004, run: Run | None = None) -> Scene:
@@ -133,7 +138,7 @@ def build_scene(name: str, *, seed: int = 0, texel_m: float = 0.004, run: Run | 
     Parameters
     ----------
     name : str
-        ``"facade"``, ``"terrain"`` or ``"statue"``.
+        ``"facade"``, ``"terrain"``, ``"statue"`` or ``"courtyard"``.
     seed : int
         Of the textures and the relief.
     texel_m : float

@@ -1,4 +1,4 @@
-"""Templates of camera stations: couple, triple, grid, orbital (theoretical models, ARPENTEUR 2013), and façade.
+"""Templates of camera stations: couple, triple, grid, orbital (ARPENTEUR 2013), façade, and inside a courtyard.
 
 Stations are placed about the origin of an object frame with x to the right, y away from the viewer and z up; move
 them to the object with `Stations.moved`.
@@ -164,6 +164,21 @@ class FacadeParams(Params):
     ] = 4  # fmt: skip
 
 
+class InsideParams(Params):
+    """Stations on a ring inside a room or courtyard, looking across it, some turned about the viewing direction."""
+
+    radius: Annotated[float, _metres("Radius", "Of the ring.", "Larger: longer bases.")] = 1.8
+    stations: Annotated[int, _count("Stations", "Number of photos.", 2)] = 12
+    tilt: Annotated[
+        float, _degrees("Tilt", "Of the viewing direction, up and down in turn.", 0, 60, "Higher: more of floor and sky.")
+    ] = 15.0  # fmt: skip
+    rolled_every: Annotated[
+        int, About(label="Turned every", unit="", low=0, high=100, step=1,
+                   help="Every so many photos the camera is turned by 90 degrees; 0 for never.",
+                   effect="Turned photos separate principal point and orientation.")
+    ] = 3  # fmt: skip
+
+
 def _stations(prefix: str, rotations: list[Array], centres: list[Array]) -> Stations:
     names = tuple(f"{prefix}_{i:03d}" for i in range(1, len(centres) + 1))
     return Stations(names=names, rotations=np.array(rotations), centres=np.array(centres, dtype=np.float64))
@@ -263,6 +278,22 @@ def facade(params: FacadeParams) -> Stations:
     return _stations("facade", rotations, centres)
 
 
+def inside(params: InsideParams) -> Stations:
+    """Return stations on a ring about the origin, in turn 0.4 m below and above it, each looking across the ring."""
+    rotations, centres = [], []
+    for k in range(params.stations):
+        angle = 2.0 * np.pi * k / params.stations
+        centre = np.array([params.radius * np.cos(angle), params.radius * np.sin(angle), 0.4 * (-1.0) ** k])
+        tilt = np.radians(params.tilt) * (-1.0) ** (k // 2)
+        aim = np.array([-np.cos(angle) * np.cos(tilt), -np.sin(angle) * np.cos(tilt), np.sin(tilt)])
+        rotation = look_at(np.zeros(3), aim)
+        if params.rolled_every and k % params.rolled_every == 0:
+            rotation = _roll(rotation, np.pi / 2)
+        rotations.append(rotation)
+        centres.append(centre)
+    return _stations("inside", rotations, centres)
+
+
 @dataclass(frozen=True)
 class Template:
     """A template: its parameter sheet, its function, and the scene it is photographed with."""
@@ -283,6 +314,7 @@ TEMPLATES: dict[str, Template] = {
     "grid": Template(GridParams, grid, "terrain"),
     "orbital": Template(OrbitalParams, orbital, "statue"),
     "facade": Template(FacadeParams, facade, "facade"),
+    "inside": Template(InsideParams, inside, "courtyard"),
 }
 """Every template by name."""
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from graphos_core.cameras import pixel_from_ray, ray_from_pixel
+from graphos_core.cameras.lens import within_field
 from graphos_core.data.cameras import Camera
 from graphos_core.data.record import Array
 
@@ -27,17 +28,19 @@ def project_inside(camera: Camera, rotation: Array, centre: Array, points: Array
     pixels : float64 (n, 2)
         NaN behind the camera.
     inside : bool (n,)
-        Whether the image lies within the format, where the distortion maps one to one.
+        Whether the image lies within the format and the image circle, where the distortion maps one to one.
     """
     local = (np.asarray(points) - centre) @ np.asarray(rotation).T
     pixels = pixel_from_ray(camera, local)
     limit = np.array([camera.width - 0.5, camera.height - 0.5])
     with np.errstate(invalid="ignore"):
         inside: Array = np.asarray(((pixels >= -0.5) & (pixels < limit)).all(axis=1))
-    back = ray_from_pixel(camera, pixels[inside])
-    true = local[inside]
+    inside &= within_field(camera, local)
+    back, true = ray_from_pixel(camera, pixels[inside]), local[inside]
+    true = true / np.linalg.norm(true, axis=1, keepdims=True)
+    back = back / np.linalg.norm(back, axis=1, keepdims=True)
     with np.errstate(invalid="ignore"):
-        inside[inside] = np.abs(back[:, :2] * true[:, 2:] - true[:, :2]).max(axis=1) < 1e-6 * true[:, 2]
+        inside[inside] = np.abs(back - true).max(axis=1) < 1e-6
     return pixels, inside
 
 

@@ -15,6 +15,7 @@ from graphos_core.errors import UserError
 from graphos_core.geometry.rotation import look_at
 from graphos_core.simulation.control_targets import visible_targets
 from graphos_core.simulation.patches import Finish, plane
+from graphos_core.simulation.photo_block import lens_camera
 from graphos_core.simulation.render_kernels import fine_rays, shade_rays
 from graphos_core.simulation.renderer import SensorParams, expose, jpeg_bytes, ray_grid, render
 from graphos_core.simulation.scene import Design, bake_scene, build_scene
@@ -170,3 +171,21 @@ def test_ring_codes_differ_in_every_rotation():
         turned = {((code << k) | (code >> (BITS - k))) & ((1 << BITS) - 1) for k in range(BITS)}
         assert len(turned) == BITS and not turned & seen
         seen |= turned
+
+
+@pytest.mark.parametrize("lens", ["fisheye-equisolid", "fisheye-equidistant"])
+def test_a_fisheye_photo_shows_the_wall_through_its_own_projection_and_nothing_beyond_the_circle(wall, lens):
+    camera = lens_camera(lens, 160, 160)
+    grid = ray_grid(camera, 1)
+    light, depth = render(wall, grid, VIEW, CENTRE)
+    photo = expose(light, grid, SensorParams(read_noise=0.0, shot_noise=0.0), np.random.default_rng(0))
+    y, x = np.indices((160, 160))
+    radius = np.hypot(x - camera.values[1], y - camera.values[2])
+    edge = pixel_from_ray(camera, np.array([[np.cos(np.radians(2.5)), 0.0, -np.sin(np.radians(2.5))]]))[0, 0]
+    outside = radius > edge - camera.values[1] + 1.0
+    assert not grid.lit[outside].any() and grid.lit[radius < edge - camera.values[1] - 1.0].all()
+    assert (photo[outside] == 0).all() and (photo[grid.lit].max(axis=-1) > 0).all()
+    y, x = np.nonzero(np.isfinite(depth))
+    points = grid.centre[y, x] * depth[y, x, None].astype(np.float64)
+    assert np.abs(points @ VIEW + CENTRE)[:, 1].max() < 1e-4
+    assert np.abs(pixel_from_ray(camera, points) - np.column_stack([x, y])).max() < 1e-6
