@@ -19,7 +19,11 @@ _POINTER = types.CPointer(types.float64)
 SIGNATURE = types.int64(
     _POINTER, types.float64, types.float64, types.float64, _POINTER, _POINTER, _POINTER, types.int64
 )
-"""C signature of an entry: values, x, y, z, pixel (2), d_point (2×3), d_values (2×row), row; 0 for no image."""
+"""C signature of an entry: values, x, y, z, pixel (2), d_point (2×3), d_values (2×row), row; returns 0 for no image.
+
+The arguments are those of a kernel (`graphos_core.cameras.model`) as bare pointers, matrices row by row; ``row`` is the
+distance from one row of d_values to the next, at least the number of parameters.
+"""
 
 
 @intrinsic

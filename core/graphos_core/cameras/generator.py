@@ -26,7 +26,7 @@ _HEAD = '''"""Kernel of the camera model “{label}”.
 Written by `graphos_core.cameras.generator` with SymPy {version} from `{module}`: do not edit.
 """
 
-{imports}from numba import carray, cfunc, njit
+{imports}from numba import cfunc
 
 from graphos_core.cameras.entry import SIGNATURE
 from graphos_core.data.record import Array
@@ -34,38 +34,19 @@ from graphos_core.data.record import Array
 
 _KERNEL = '''
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def {kernel}(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
-) -> bool:
-    """{what}; see `graphos_core.cameras.model`."""
-    if {no_image}:
-        return False
-{body}    return True
-
-
 @cfunc(SIGNATURE, cache=True, error_model="numpy")
 def {entry}(
     values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
 ) -> int:
-    """Call `{kernel}` from compiled code by address; see `graphos_core.cameras.entry`."""
-    return int(
-        {kernel}(
-            carray(values, ({count},)),
-            x,
-            y,
-            z,
-            carray(pixel, (2,)),
-            carray(d_point, (2, 3)),
-            carray(d_values, (2, row)),
-        )
-    )
+    """{what}; see `graphos_core.cameras.entry`."""
+    if {no_image}:
+        return 0
+{body}    return 1
 '''
 
-
 _WHAT = {
-    "kernel": "Project one point with derivatives",
-    "residual_kernel": "Add to the measured position in `pixel` its residual in the corrected picture",
+    "entry": "Project one point with derivatives",
+    "residual_entry": "Add to the measured position in `pixel` its residual in the corrected picture",
 }
 
 
@@ -76,9 +57,9 @@ def kernel_source(model: CameraModel) -> str:
     if model.equations is None:
         raise ValueError(f"{model.name} has a kernel written by hand")
     ideal = _projection(sympy, model)
-    kernels = {"kernel": ideal + (_backward if model.backward else _forward)(sympy, model)}
+    kernels = {"entry": ideal + (_backward if model.backward else _forward)(sympy, model)}
     if model.backward:
-        kernels["residual_kernel"] = ideal + _at_measured(sympy, model)
+        kernels["residual_entry"] = ideal + _at_measured(sympy, model)
     functions = [name for name in ("atan2", "sqrt") if f"{name}(" in ideal]
     text = _HEAD.format(
         label=model.label,
@@ -87,10 +68,7 @@ def kernel_source(model: CameraModel) -> str:
         imports=f"from math import {', '.join(functions)}\n\n" if functions else "",
     )
     for name, body in kernels.items():
-        text += _KERNEL.format(
-            kernel=name, entry=name.replace("kernel", "entry"), what=_WHAT[name], body=body,
-            no_image=NO_IMAGE[model.projection], count=len(model.parameters),
-        )  # fmt: skip
+        text += _KERNEL.format(entry=name, what=_WHAT[name], body=body, no_image=NO_IMAGE[model.projection])
     return text
 
 
@@ -127,9 +105,7 @@ def _forward(sympy: Any, model: CameraModel) -> str:
     named = {f"pixel[{i}]": value for i, value in enumerate(outputs)}
     for i, value in enumerate(outputs):
         named |= {f"{'xy'[i]}_{name}": sympy.diff(value, symbol) for name, symbol in ideal.items()}
-        named |= {
-            f"d_values[{i}, {k}]": sympy.diff(value, symbol) for k, symbol in enumerate(parameters.values())
-        }
+        named |= {_inner(i, k): sympy.diff(value, symbol) for k, symbol in enumerate(parameters.values())}
     return _read(model) + _assignments(sympy, named, "t") + _CHAIN
 
 
@@ -139,8 +115,8 @@ def _backward(sympy: Any, model: CameraModel) -> str:
     lines = _read(model) + _SOLVE.format(equations=_assignments(sympy, residual, "t", 8))
     lines += _assignments(sympy, inner, "w")
     for k in range(len(model.parameters)):
-        lines += f"    d_values[0, {k}] = -(x_u * u_p{k} + x_v * v_p{k})\n"
-        lines += f"    d_values[1, {k}] = -(y_u * u_p{k} + y_v * v_p{k})\n"
+        lines += f"    {_inner(0, k)} = -(x_u * u_p{k} + x_v * v_p{k})\n"
+        lines += f"    {_inner(1, k)} = -(y_u * u_p{k} + y_v * v_p{k})\n"
     return lines + _CHAIN
 
 
@@ -151,10 +127,10 @@ def _at_measured(sympy: Any, model: CameraModel) -> str:
     lines = _read(model) + "    px = pixel[0]\n    py = pixel[1]\n" + _assignments(sympy, now | inner, "t")
     lines += "    pixel[0] = px + focal_px * (u - u_now)\n    pixel[1] = py + focal_px * (v - v_now)\n"
     for i, axis in enumerate("uv"):
-        lines += f"    d_values[{i}, 0] = {axis} - {axis}_now - focal_px * {axis}_p0\n"
+        lines += f"    {_inner(i, 0)} = {axis} - {axis}_now - focal_px * {axis}_p0\n"
         for k in range(1, len(model.parameters)):
-            lines += f"    d_values[{i}, {k}] = -focal_px * {axis}_p{k}\n"
-        lines += "".join(f"    d_point[{i}, {k}] = focal_px * {axis}_{d}\n" for k, d in enumerate("xyz"))
+            lines += f"    {_inner(i, k)} = -focal_px * {axis}_p{k}\n"
+        lines += "".join(f"    d_point[{3 * i + k}] = focal_px * {axis}_{d}\n" for k, d in enumerate("xyz"))
     return lines
 
 
@@ -173,7 +149,7 @@ def _from_measured(sympy: Any, model: CameraModel) -> tuple[dict[str, Any], dict
 
 
 _CHAIN = "".join(
-    f"    d_point[{i}, {k}] = {'xy'[i]}_u * u_{axis} + {'xy'[i]}_v * v_{axis}\n"
+    f"    d_point[{3 * i + k}] = {'xy'[i]}_u * u_{axis} + {'xy'[i]}_v * v_{axis}\n"
     for i in range(2)
     for k, axis in enumerate("xyz")
 )
@@ -185,7 +161,7 @@ _SOLVE = """    px = focal_px * u + x0
     for _ in range(30):
 {equations}        determinant = u_px * v_py - u_py * v_px
         if not determinant > 0.0:
-            return False
+            return 0
         du = u - u_now
         dv = v - v_now
         if found:
@@ -194,7 +170,7 @@ _SOLVE = """    px = focal_px * u + x0
         px += (v_py * du - u_py * dv) / determinant
         py += (u_px * dv - v_px * du) / determinant
     if not found:
-        return False
+        return 0
     pixel[0] = px
     pixel[1] = py
     x_u = v_py / determinant
@@ -202,6 +178,11 @@ _SOLVE = """    px = focal_px * u + x0
     y_u = -v_px / determinant
     y_v = u_px / determinant
 """
+
+
+def _inner(i: int, k: int) -> str:
+    """Return the element ∂pixel_i/∂value_k: the rows lie `row` numbers apart."""
+    return f"d_values[{k}]" if i == 0 else f"d_values[row + {k}]"
 
 
 def _read(model: CameraModel) -> str:

@@ -2,14 +2,15 @@
 
 A model is one file with a `CameraModel`: a parameter sheet and its equations in plain Python. From the equations
 `graphos_core.cameras.generator` writes the compiled kernel with analytic derivatives; the two simplest models have a
-kernel written by hand, which is inlined into the loops of the adjustment. Every kernel has the signature::
+kernel written by hand, which is inlined into the loops of the adjustment. An inlined kernel has the signature::
 
     kernel(values, x, y, z, pixel, d_point, d_values) -> bool
 
 with ``values`` float64 (k,), the point (x, y, z) in the camera frame, and three outputs: ``pixel`` (2,),
 ``d_point`` (2, 3) = ∂pixel/∂(x, y, z), ``d_values`` (2, ≥ k) = ∂pixel/∂values. It returns False for a point that has
-no image (behind the camera); the outputs are then undefined. `graphos_core.cameras.kernels.project` dispatches on
-`CameraModel.code` inside compiled code.
+no image (behind the camera); the outputs are then undefined. A generated entry does the same with bare pointers
+(`graphos_core.cameras.entry`). `graphos_core.cameras.kernels.project` dispatches on `CameraModel.code` inside compiled
+code.
 
 Programs with backward models take residuals in the corrected picture: the measured position is corrected with the
 parameters of the moment and compared with the ideal one. `CameraModel.residual_code` finds a kernel for that: on entry

@@ -3,19 +3,19 @@
 Written by `graphos_core.cameras.generator` with SymPy 1.14.0 from `graphos_core.cameras.brown_backward`: do not edit.
 """
 
-from numba import carray, cfunc, njit
+from numba import cfunc
 
 from graphos_core.cameras.entry import SIGNATURE
 from graphos_core.data.record import Array
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def kernel(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
-) -> bool:
-    """Project one point with derivatives; see `graphos_core.cameras.model`."""
+@cfunc(SIGNATURE, cache=True, error_model="numpy")
+def entry(
+    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
+) -> int:
+    """Project one point with derivatives; see `graphos_core.cameras.entry`."""
     if z <= 0.0:
-        return False
+        return 0
     s0 = (1.0 / z)
     s1 = (1.0 / (z*z))
     u = s0*x
@@ -85,7 +85,7 @@ def kernel(
         v_py = t35
         determinant = u_px * v_py - u_py * v_px
         if not determinant > 0.0:
-            return False
+            return 0
         du = u - u_now
         dv = v - v_now
         if found:
@@ -94,7 +94,7 @@ def kernel(
         px += (v_py * du - u_py * dv) / determinant
         py += (u_px * dv - v_px * du) / determinant
     if not found:
-        return False
+        return 0
     pixel[0] = px
     pixel[1] = py
     x_u = v_py / determinant
@@ -186,60 +186,42 @@ def kernel(
     v_p8 = w64
     u_p9 = p2*w57 + w21*w31 + w31 + w43*w55
     v_p9 = 0.0
-    d_values[0, 0] = -(x_u * u_p0 + x_v * v_p0)
-    d_values[1, 0] = -(y_u * u_p0 + y_v * v_p0)
-    d_values[0, 1] = -(x_u * u_p1 + x_v * v_p1)
-    d_values[1, 1] = -(y_u * u_p1 + y_v * v_p1)
-    d_values[0, 2] = -(x_u * u_p2 + x_v * v_p2)
-    d_values[1, 2] = -(y_u * u_p2 + y_v * v_p2)
-    d_values[0, 3] = -(x_u * u_p3 + x_v * v_p3)
-    d_values[1, 3] = -(y_u * u_p3 + y_v * v_p3)
-    d_values[0, 4] = -(x_u * u_p4 + x_v * v_p4)
-    d_values[1, 4] = -(y_u * u_p4 + y_v * v_p4)
-    d_values[0, 5] = -(x_u * u_p5 + x_v * v_p5)
-    d_values[1, 5] = -(y_u * u_p5 + y_v * v_p5)
-    d_values[0, 6] = -(x_u * u_p6 + x_v * v_p6)
-    d_values[1, 6] = -(y_u * u_p6 + y_v * v_p6)
-    d_values[0, 7] = -(x_u * u_p7 + x_v * v_p7)
-    d_values[1, 7] = -(y_u * u_p7 + y_v * v_p7)
-    d_values[0, 8] = -(x_u * u_p8 + x_v * v_p8)
-    d_values[1, 8] = -(y_u * u_p8 + y_v * v_p8)
-    d_values[0, 9] = -(x_u * u_p9 + x_v * v_p9)
-    d_values[1, 9] = -(y_u * u_p9 + y_v * v_p9)
-    d_point[0, 0] = x_u * u_x + x_v * v_x
-    d_point[0, 1] = x_u * u_y + x_v * v_y
-    d_point[0, 2] = x_u * u_z + x_v * v_z
-    d_point[1, 0] = y_u * u_x + y_v * v_x
-    d_point[1, 1] = y_u * u_y + y_v * v_y
-    d_point[1, 2] = y_u * u_z + y_v * v_z
-    return True
+    d_values[0] = -(x_u * u_p0 + x_v * v_p0)
+    d_values[row + 0] = -(y_u * u_p0 + y_v * v_p0)
+    d_values[1] = -(x_u * u_p1 + x_v * v_p1)
+    d_values[row + 1] = -(y_u * u_p1 + y_v * v_p1)
+    d_values[2] = -(x_u * u_p2 + x_v * v_p2)
+    d_values[row + 2] = -(y_u * u_p2 + y_v * v_p2)
+    d_values[3] = -(x_u * u_p3 + x_v * v_p3)
+    d_values[row + 3] = -(y_u * u_p3 + y_v * v_p3)
+    d_values[4] = -(x_u * u_p4 + x_v * v_p4)
+    d_values[row + 4] = -(y_u * u_p4 + y_v * v_p4)
+    d_values[5] = -(x_u * u_p5 + x_v * v_p5)
+    d_values[row + 5] = -(y_u * u_p5 + y_v * v_p5)
+    d_values[6] = -(x_u * u_p6 + x_v * v_p6)
+    d_values[row + 6] = -(y_u * u_p6 + y_v * v_p6)
+    d_values[7] = -(x_u * u_p7 + x_v * v_p7)
+    d_values[row + 7] = -(y_u * u_p7 + y_v * v_p7)
+    d_values[8] = -(x_u * u_p8 + x_v * v_p8)
+    d_values[row + 8] = -(y_u * u_p8 + y_v * v_p8)
+    d_values[9] = -(x_u * u_p9 + x_v * v_p9)
+    d_values[row + 9] = -(y_u * u_p9 + y_v * v_p9)
+    d_point[0] = x_u * u_x + x_v * v_x
+    d_point[1] = x_u * u_y + x_v * v_y
+    d_point[2] = x_u * u_z + x_v * v_z
+    d_point[3] = y_u * u_x + y_v * v_x
+    d_point[4] = y_u * u_y + y_v * v_y
+    d_point[5] = y_u * u_z + y_v * v_z
+    return 1
 
 
 @cfunc(SIGNATURE, cache=True, error_model="numpy")
-def entry(
+def residual_entry(
     values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
 ) -> int:
-    """Call `kernel` from compiled code by address; see `graphos_core.cameras.entry`."""
-    return int(
-        kernel(
-            carray(values, (10,)),
-            x,
-            y,
-            z,
-            carray(pixel, (2,)),
-            carray(d_point, (2, 3)),
-            carray(d_values, (2, row)),
-        )
-    )
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def residual_kernel(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
-) -> bool:
-    """Add to the measured position in `pixel` its residual in the corrected picture; see `graphos_core.cameras.model`."""
+    """Add to the measured position in `pixel` its residual in the corrected picture; see `graphos_core.cameras.entry`."""
     if z <= 0.0:
-        return False
+        return 0
     s0 = (1.0 / z)
     s1 = (1.0 / (z*z))
     u = s0*x
@@ -353,48 +335,30 @@ def residual_kernel(
     v_p9 = 0.0
     pixel[0] = px + focal_px * (u - u_now)
     pixel[1] = py + focal_px * (v - v_now)
-    d_values[0, 0] = u - u_now - focal_px * u_p0
-    d_values[0, 1] = -focal_px * u_p1
-    d_values[0, 2] = -focal_px * u_p2
-    d_values[0, 3] = -focal_px * u_p3
-    d_values[0, 4] = -focal_px * u_p4
-    d_values[0, 5] = -focal_px * u_p5
-    d_values[0, 6] = -focal_px * u_p6
-    d_values[0, 7] = -focal_px * u_p7
-    d_values[0, 8] = -focal_px * u_p8
-    d_values[0, 9] = -focal_px * u_p9
-    d_point[0, 0] = focal_px * u_x
-    d_point[0, 1] = focal_px * u_y
-    d_point[0, 2] = focal_px * u_z
-    d_values[1, 0] = v - v_now - focal_px * v_p0
-    d_values[1, 1] = -focal_px * v_p1
-    d_values[1, 2] = -focal_px * v_p2
-    d_values[1, 3] = -focal_px * v_p3
-    d_values[1, 4] = -focal_px * v_p4
-    d_values[1, 5] = -focal_px * v_p5
-    d_values[1, 6] = -focal_px * v_p6
-    d_values[1, 7] = -focal_px * v_p7
-    d_values[1, 8] = -focal_px * v_p8
-    d_values[1, 9] = -focal_px * v_p9
-    d_point[1, 0] = focal_px * v_x
-    d_point[1, 1] = focal_px * v_y
-    d_point[1, 2] = focal_px * v_z
-    return True
-
-
-@cfunc(SIGNATURE, cache=True, error_model="numpy")
-def residual_entry(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
-) -> int:
-    """Call `residual_kernel` from compiled code by address; see `graphos_core.cameras.entry`."""
-    return int(
-        residual_kernel(
-            carray(values, (10,)),
-            x,
-            y,
-            z,
-            carray(pixel, (2,)),
-            carray(d_point, (2, 3)),
-            carray(d_values, (2, row)),
-        )
-    )
+    d_values[0] = u - u_now - focal_px * u_p0
+    d_values[1] = -focal_px * u_p1
+    d_values[2] = -focal_px * u_p2
+    d_values[3] = -focal_px * u_p3
+    d_values[4] = -focal_px * u_p4
+    d_values[5] = -focal_px * u_p5
+    d_values[6] = -focal_px * u_p6
+    d_values[7] = -focal_px * u_p7
+    d_values[8] = -focal_px * u_p8
+    d_values[9] = -focal_px * u_p9
+    d_point[0] = focal_px * u_x
+    d_point[1] = focal_px * u_y
+    d_point[2] = focal_px * u_z
+    d_values[row + 0] = v - v_now - focal_px * v_p0
+    d_values[row + 1] = -focal_px * v_p1
+    d_values[row + 2] = -focal_px * v_p2
+    d_values[row + 3] = -focal_px * v_p3
+    d_values[row + 4] = -focal_px * v_p4
+    d_values[row + 5] = -focal_px * v_p5
+    d_values[row + 6] = -focal_px * v_p6
+    d_values[row + 7] = -focal_px * v_p7
+    d_values[row + 8] = -focal_px * v_p8
+    d_values[row + 9] = -focal_px * v_p9
+    d_point[3] = focal_px * v_x
+    d_point[4] = focal_px * v_y
+    d_point[5] = focal_px * v_z
+    return 1

@@ -3,19 +3,19 @@
 Written by `graphos_core.cameras.generator` with SymPy 1.14.0 from `graphos_core.cameras.complete`: do not edit.
 """
 
-from numba import carray, cfunc, njit
+from numba import cfunc
 
 from graphos_core.cameras.entry import SIGNATURE
 from graphos_core.data.record import Array
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def kernel(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
-) -> bool:
-    """Project one point with derivatives; see `graphos_core.cameras.model`."""
+@cfunc(SIGNATURE, cache=True, error_model="numpy")
+def entry(
+    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
+) -> int:
+    """Project one point with derivatives; see `graphos_core.cameras.entry`."""
     if z <= 0.0:
-        return False
+        return 0
     s0 = (1.0 / z)
     s1 = (1.0 / (z*z))
     u = s0*x
@@ -98,54 +98,36 @@ def kernel(
     pixel[1] = focal_px*t23 + y0
     x_u = focal_px*(b1 + p1*(-6*t1 + 6*u) + t15*t8 + t24*t25 + t26 + t6)
     x_v = focal_px*(b2 + p1*t20 + t20*t28 + t25*t29 + t27)
-    d_values[0, 0] = focal_px*(p1*(t31*t7 + 4*t33 + t35) + t16*t31 + t25*t38 + t27*t32 + t28*t37 + t31*t6) + t17
-    d_values[0, 1] = 1.0
-    d_values[0, 2] = 0.0
-    d_values[0, 3] = focal_px*(p1*(-t0*t7 - t2*t39) - t0*t6 + t11*t2*t44 - t41*t9 - t42)
-    d_values[0, 4] = focal_px*(t11*t2*t46 - t47)
-    d_values[0, 5] = focal_px*t25
-    d_values[0, 6] = t48*t49
-    d_values[0, 7] = t49*t50
-    d_values[0, 8] = focal_px*t12
-    d_values[0, 9] = t51
-    d_values[0, 10] = focal_px*u
-    d_values[0, 11] = focal_px*v
+    d_values[0] = focal_px*(p1*(t31*t7 + 4*t33 + t35) + t16*t31 + t25*t38 + t27*t32 + t28*t37 + t31*t6) + t17
+    d_values[1] = 1.0
+    d_values[2] = 0.0
+    d_values[3] = focal_px*(p1*(-t0*t7 - t2*t39) - t0*t6 + t11*t2*t44 - t41*t9 - t42)
+    d_values[4] = focal_px*(t11*t2*t46 - t47)
+    d_values[5] = focal_px*t25
+    d_values[6] = t48*t49
+    d_values[7] = t49*t50
+    d_values[8] = focal_px*t12
+    d_values[9] = t51
+    d_values[10] = focal_px*u
+    d_values[11] = focal_px*v
     y_u = focal_px*(p2*t7 + t19 + t24*t53 + t52*t7)
     y_v = focal_px*(p2*(-6*t3 + 6*v) + t15*t21 + t26 + t29*t53 + t54)
-    d_values[1, 0] = focal_px*(p2*(t20*t32 + 4*t32*t4 + t36) + t16*t32 + t19*t31 + t32*t54 + t37*t52 + t38*t53) + t23
-    d_values[1, 1] = 0.0
-    d_values[1, 2] = 1.0
-    d_values[1, 3] = focal_px*(t11*t4*t44 - t47)
-    d_values[1, 4] = focal_px*(p2*(-t0*t20 - t39*t4) - t0*t54 - t10*t41 + t11*t4*t46 - t42)
-    d_values[1, 5] = focal_px*t53
-    d_values[1, 6] = t48*t55
-    d_values[1, 7] = t50*t55
-    d_values[1, 8] = t51
-    d_values[1, 9] = focal_px*t22
-    d_values[1, 10] = 0.0
-    d_values[1, 11] = 0.0
-    d_point[0, 0] = x_u * u_x + x_v * v_x
-    d_point[0, 1] = x_u * u_y + x_v * v_y
-    d_point[0, 2] = x_u * u_z + x_v * v_z
-    d_point[1, 0] = y_u * u_x + y_v * v_x
-    d_point[1, 1] = y_u * u_y + y_v * v_y
-    d_point[1, 2] = y_u * u_z + y_v * v_z
-    return True
-
-
-@cfunc(SIGNATURE, cache=True, error_model="numpy")
-def entry(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
-) -> int:
-    """Call `kernel` from compiled code by address; see `graphos_core.cameras.entry`."""
-    return int(
-        kernel(
-            carray(values, (12,)),
-            x,
-            y,
-            z,
-            carray(pixel, (2,)),
-            carray(d_point, (2, 3)),
-            carray(d_values, (2, row)),
-        )
-    )
+    d_values[row + 0] = focal_px*(p2*(t20*t32 + 4*t32*t4 + t36) + t16*t32 + t19*t31 + t32*t54 + t37*t52 + t38*t53) + t23
+    d_values[row + 1] = 0.0
+    d_values[row + 2] = 1.0
+    d_values[row + 3] = focal_px*(t11*t4*t44 - t47)
+    d_values[row + 4] = focal_px*(p2*(-t0*t20 - t39*t4) - t0*t54 - t10*t41 + t11*t4*t46 - t42)
+    d_values[row + 5] = focal_px*t53
+    d_values[row + 6] = t48*t55
+    d_values[row + 7] = t50*t55
+    d_values[row + 8] = t51
+    d_values[row + 9] = focal_px*t22
+    d_values[row + 10] = 0.0
+    d_values[row + 11] = 0.0
+    d_point[0] = x_u * u_x + x_v * v_x
+    d_point[1] = x_u * u_y + x_v * v_y
+    d_point[2] = x_u * u_z + x_v * v_z
+    d_point[3] = y_u * u_x + y_v * v_x
+    d_point[4] = y_u * u_y + y_v * v_y
+    d_point[5] = y_u * u_z + y_v * v_z
+    return 1

@@ -3,19 +3,19 @@
 Written by `graphos_core.cameras.generator` with SymPy 1.14.0 from `graphos_core.cameras.ebner`: do not edit.
 """
 
-from numba import carray, cfunc, njit
+from numba import cfunc
 
 from graphos_core.cameras.entry import SIGNATURE
 from graphos_core.data.record import Array
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def kernel(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
-) -> bool:
-    """Project one point with derivatives; see `graphos_core.cameras.model`."""
+@cfunc(SIGNATURE, cache=True, error_model="numpy")
+def entry(
+    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
+) -> int:
+    """Project one point with derivatives; see `graphos_core.cameras.entry`."""
     if z <= 0.0:
-        return False
+        return 0
     s0 = (1.0 / z)
     s1 = (1.0 / (z*z))
     u = s0*x
@@ -113,62 +113,44 @@ def kernel(
     pixel[1] = -e1*t4 + e10*t21 + e12*t17 + e2*t2 + e3*t19 - e4*t20 + e6*t13 + e8*t22 + t3 + y0
     x_u = focal_px + t15*t23 + t24 + t25*t33 - 4*t26 + t28*t32 + t9
     x_v = e7*t36 + t16*t23 + t18*t35 + t18*t37 + t34 + t8*u
-    d_values[0, 0] = e1*t38 + e2*t39 - 4*e3*t12*t42 + t15*t38 + t16*t39 + t37*t50 + t40*t41 + t42*t43 + t42*t49 + t44*t47 + t45*t48 + u
-    d_values[0, 1] = 1.0
-    d_values[0, 2] = 0.0
-    d_values[0, 3] = -e1*t0*t5 + 4*e3*t12*t29*t6 - t15*t40 - t16*t56 - t3*t51 - t37*t46 - t41*t52 - t43*t45 - t44*t54 - t45*t49 - t48*t55
-    d_values[0, 4] = t2
-    d_values[0, 5] = t4
-    d_values[0, 6] = -2*t12*t7 + 1.3333333333333333
-    d_values[0, 7] = t19
-    d_values[0, 8] = t11
-    d_values[0, 9] = 0.0
-    d_values[0, 10] = t21
-    d_values[0, 11] = 0.0
-    d_values[0, 12] = t22
-    d_values[0, 13] = 0.0
-    d_values[0, 14] = t17
-    d_values[0, 15] = 0.0
+    d_values[0] = e1*t38 + e2*t39 - 4*e3*t12*t42 + t15*t38 + t16*t39 + t37*t50 + t40*t41 + t42*t43 + t42*t49 + t44*t47 + t45*t48 + u
+    d_values[1] = 1.0
+    d_values[2] = 0.0
+    d_values[3] = -e1*t0*t5 + 4*e3*t12*t29*t6 - t15*t40 - t16*t56 - t3*t51 - t37*t46 - t41*t52 - t43*t45 - t44*t54 - t45*t49 - t48*t55
+    d_values[4] = t2
+    d_values[5] = t4
+    d_values[6] = -2*t12*t7 + 1.3333333333333333
+    d_values[7] = t19
+    d_values[8] = t11
+    d_values[9] = 0.0
+    d_values[10] = t21
+    d_values[11] = 0.0
+    d_values[12] = t22
+    d_values[13] = 0.0
+    d_values[14] = t17
+    d_values[15] = 0.0
     y_u = e3*t18 + e8*t36 + t23*t58 + t25*t57 + t25*t59 + t34
     y_v = e10*t36 + focal_px + t18*t61 + t23*t60 - t24 + t26 - 4*t9
-    d_values[1, 0] = -e1*t39 + e2*t38 - 4*e4*t50 + t38*t58 + t39*t60 + t40*t62 + t42*t63 + t42*t66 + t45*t65 + t47*t64 + t50*t61 + v
-    d_values[1, 1] = 0.0
-    d_values[1, 2] = 1.0
-    d_values[1, 3] = e1*focal_px*t5*v + 4*e4*t10*t29*t6 - t0*t51 - t40*t58 - t45*t63 - t45*t66 - t46*t61 - t52*t62 - t54*t64 - t55*t65 - t56*t60
-    d_values[1, 4] = -t4
-    d_values[1, 5] = t2
-    d_values[1, 6] = t19
-    d_values[1, 7] = -2*t10*t7 + 1.3333333333333333
-    d_values[1, 8] = 0.0
-    d_values[1, 9] = t13
-    d_values[1, 10] = 0.0
-    d_values[1, 11] = t22
-    d_values[1, 12] = 0.0
-    d_values[1, 13] = t21
-    d_values[1, 14] = 0.0
-    d_values[1, 15] = t17
-    d_point[0, 0] = x_u * u_x + x_v * v_x
-    d_point[0, 1] = x_u * u_y + x_v * v_y
-    d_point[0, 2] = x_u * u_z + x_v * v_z
-    d_point[1, 0] = y_u * u_x + y_v * v_x
-    d_point[1, 1] = y_u * u_y + y_v * v_y
-    d_point[1, 2] = y_u * u_z + y_v * v_z
-    return True
-
-
-@cfunc(SIGNATURE, cache=True, error_model="numpy")
-def entry(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
-) -> int:
-    """Call `kernel` from compiled code by address; see `graphos_core.cameras.entry`."""
-    return int(
-        kernel(
-            carray(values, (16,)),
-            x,
-            y,
-            z,
-            carray(pixel, (2,)),
-            carray(d_point, (2, 3)),
-            carray(d_values, (2, row)),
-        )
-    )
+    d_values[row + 0] = -e1*t39 + e2*t38 - 4*e4*t50 + t38*t58 + t39*t60 + t40*t62 + t42*t63 + t42*t66 + t45*t65 + t47*t64 + t50*t61 + v
+    d_values[row + 1] = 0.0
+    d_values[row + 2] = 1.0
+    d_values[row + 3] = e1*focal_px*t5*v + 4*e4*t10*t29*t6 - t0*t51 - t40*t58 - t45*t63 - t45*t66 - t46*t61 - t52*t62 - t54*t64 - t55*t65 - t56*t60
+    d_values[row + 4] = -t4
+    d_values[row + 5] = t2
+    d_values[row + 6] = t19
+    d_values[row + 7] = -2*t10*t7 + 1.3333333333333333
+    d_values[row + 8] = 0.0
+    d_values[row + 9] = t13
+    d_values[row + 10] = 0.0
+    d_values[row + 11] = t22
+    d_values[row + 12] = 0.0
+    d_values[row + 13] = t21
+    d_values[row + 14] = 0.0
+    d_values[row + 15] = t17
+    d_point[0] = x_u * u_x + x_v * v_x
+    d_point[1] = x_u * u_y + x_v * v_y
+    d_point[2] = x_u * u_z + x_v * v_z
+    d_point[3] = y_u * u_x + y_v * v_x
+    d_point[4] = y_u * u_y + y_v * v_y
+    d_point[5] = y_u * u_z + y_v * v_z
+    return 1

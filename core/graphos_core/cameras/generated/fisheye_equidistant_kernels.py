@@ -5,19 +5,19 @@ Written by `graphos_core.cameras.generator` with SymPy 1.14.0 from `graphos_core
 
 from math import atan2, sqrt
 
-from numba import carray, cfunc, njit
+from numba import cfunc
 
 from graphos_core.cameras.entry import SIGNATURE
 from graphos_core.data.record import Array
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def kernel(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
-) -> bool:
-    """Project one point with derivatives; see `graphos_core.cameras.model`."""
+@cfunc(SIGNATURE, cache=True, error_model="numpy")
+def entry(
+    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
+) -> int:
+    """Project one point with derivatives; see `graphos_core.cameras.entry`."""
     if z <= 0.0 and x == 0.0 and y == 0.0:
-        return False
+        return 0
     s0 = (x*x)
     s1 = (y*y)
     s2 = s0 + s1 + 1e-60
@@ -91,52 +91,34 @@ def kernel(
     pixel[1] = t16 + y0
     x_u = focal_px*(b1*t22 + b2*t26 + t22)
     x_v = focal_px*(b1*t28 + b2*t29 + t28)
-    d_values[0, 0] = t15
-    d_values[0, 1] = 1.0
-    d_values[0, 2] = 0.0
-    d_values[0, 3] = focal_px*(b1*t20 + b2*t23 + t20)
-    d_values[0, 4] = focal_px*(b1*t31 + t30*t32 + t31)
-    d_values[0, 5] = focal_px*(b1*t34 + t32*t33 + t34)
-    d_values[0, 6] = focal_px*(b1*t36 + t32*t35 + t36)
-    d_values[0, 7] = focal_px*(b1*t4 + b2*t24 + t4)
-    d_values[0, 8] = focal_px*(b1*t24 + b2*t13 + t24)
-    d_values[0, 9] = focal_px*t11
-    d_values[0, 10] = t16
+    d_values[0] = t15
+    d_values[1] = 1.0
+    d_values[2] = 0.0
+    d_values[3] = focal_px*(b1*t20 + b2*t23 + t20)
+    d_values[4] = focal_px*(b1*t31 + t30*t32 + t31)
+    d_values[5] = focal_px*(b1*t34 + t32*t33 + t34)
+    d_values[6] = focal_px*(b1*t36 + t32*t35 + t36)
+    d_values[7] = focal_px*(b1*t4 + b2*t24 + t4)
+    d_values[8] = focal_px*(b1*t24 + b2*t13 + t24)
+    d_values[9] = focal_px*t11
+    d_values[10] = t16
     y_u = focal_px*t26
     y_v = focal_px*t29
-    d_values[1, 0] = t14
-    d_values[1, 1] = 0.0
-    d_values[1, 2] = 1.0
-    d_values[1, 3] = focal_px*t23
-    d_values[1, 4] = t30*t37
-    d_values[1, 5] = t33*t37
-    d_values[1, 6] = t35*t37
-    d_values[1, 7] = focal_px*t24
-    d_values[1, 8] = focal_px*t13
-    d_values[1, 9] = 0.0
-    d_values[1, 10] = 0.0
-    d_point[0, 0] = x_u * u_x + x_v * v_x
-    d_point[0, 1] = x_u * u_y + x_v * v_y
-    d_point[0, 2] = x_u * u_z + x_v * v_z
-    d_point[1, 0] = y_u * u_x + y_v * v_x
-    d_point[1, 1] = y_u * u_y + y_v * v_y
-    d_point[1, 2] = y_u * u_z + y_v * v_z
-    return True
-
-
-@cfunc(SIGNATURE, cache=True, error_model="numpy")
-def entry(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
-) -> int:
-    """Call `kernel` from compiled code by address; see `graphos_core.cameras.entry`."""
-    return int(
-        kernel(
-            carray(values, (11,)),
-            x,
-            y,
-            z,
-            carray(pixel, (2,)),
-            carray(d_point, (2, 3)),
-            carray(d_values, (2, row)),
-        )
-    )
+    d_values[row + 0] = t14
+    d_values[row + 1] = 0.0
+    d_values[row + 2] = 1.0
+    d_values[row + 3] = focal_px*t23
+    d_values[row + 4] = t30*t37
+    d_values[row + 5] = t33*t37
+    d_values[row + 6] = t35*t37
+    d_values[row + 7] = focal_px*t24
+    d_values[row + 8] = focal_px*t13
+    d_values[row + 9] = 0.0
+    d_values[row + 10] = 0.0
+    d_point[0] = x_u * u_x + x_v * v_x
+    d_point[1] = x_u * u_y + x_v * v_y
+    d_point[2] = x_u * u_z + x_v * v_z
+    d_point[3] = y_u * u_x + y_v * v_x
+    d_point[4] = y_u * u_y + y_v * v_y
+    d_point[5] = y_u * u_z + y_v * v_z
+    return 1

@@ -3,19 +3,19 @@
 Written by `graphos_core.cameras.generator` with SymPy 1.14.0 from `graphos_core.cameras.opencv`: do not edit.
 """
 
-from numba import carray, cfunc, njit
+from numba import cfunc
 
 from graphos_core.cameras.entry import SIGNATURE
 from graphos_core.data.record import Array
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def kernel(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
-) -> bool:
-    """Project one point with derivatives; see `graphos_core.cameras.model`."""
+@cfunc(SIGNATURE, cache=True, error_model="numpy")
+def entry(
+    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
+) -> int:
+    """Project one point with derivatives; see `graphos_core.cameras.entry`."""
     if z <= 0.0:
-        return False
+        return 0
     s0 = (1.0 / z)
     s1 = (1.0 / (z*z))
     u = s0*x
@@ -96,62 +96,44 @@ def kernel(
     pixel[1] = focal_px*t25 + y0
     x_u = focal_px*(b1*t31 + t31)
     x_v = focal_px*(b1*t36 + t36)
-    d_values[0, 0] = t19
-    d_values[0, 1] = 1.0
-    d_values[0, 2] = 0.0
-    d_values[0, 3] = focal_px*(t27*t37 + t27*t5)
-    d_values[0, 4] = focal_px*(t27*t38 + t27*t39)
-    d_values[0, 5] = focal_px*(b1*t41 + t41)
-    d_values[0, 6] = focal_px*(b1*t43 + t43)
-    d_values[0, 7] = focal_px*(-t30*t38 - t30*t39)
-    d_values[0, 8] = focal_px*(-b1*t44 - t44)
-    d_values[0, 9] = focal_px*(b1*t21 + t21)
-    d_values[0, 10] = focal_px*(b1*t4 + t4)
-    d_values[0, 11] = focal_px*(t37 + t5)
-    d_values[0, 12] = focal_px*(t38 + t39)
-    d_values[0, 13] = 0.0
-    d_values[0, 14] = 0.0
-    d_values[0, 15] = focal_px*t18
+    d_values[0] = t19
+    d_values[1] = 1.0
+    d_values[2] = 0.0
+    d_values[3] = focal_px*(t27*t37 + t27*t5)
+    d_values[4] = focal_px*(t27*t38 + t27*t39)
+    d_values[5] = focal_px*(b1*t41 + t41)
+    d_values[6] = focal_px*(b1*t43 + t43)
+    d_values[7] = focal_px*(-t30*t38 - t30*t39)
+    d_values[8] = focal_px*(-b1*t44 - t44)
+    d_values[9] = focal_px*(b1*t21 + t21)
+    d_values[10] = focal_px*(b1*t4 + t4)
+    d_values[11] = focal_px*(t37 + t5)
+    d_values[12] = focal_px*(t38 + t39)
+    d_values[13] = 0.0
+    d_values[14] = 0.0
+    d_values[15] = focal_px*t18
     y_u = focal_px*(t20*t23 + t20*t24 + t26*t45 + t28*t46 + t35)
     y_v = focal_px*(6*p1*v + p2*t20 + t17 + t23*t32 + t24*t32 + t33*t45 + t34*t46)
-    d_values[1, 0] = t25
-    d_values[1, 1] = 0.0
-    d_values[1, 2] = 1.0
-    d_values[1, 3] = t45*t47
-    d_values[1, 4] = t45*t48
-    d_values[1, 5] = t45*t49
-    d_values[1, 6] = focal_px*t42*t46
-    d_values[1, 7] = -t46*t48
-    d_values[1, 8] = -t46*t49
-    d_values[1, 9] = focal_px*t22
-    d_values[1, 10] = focal_px*t21
-    d_values[1, 11] = 0.0
-    d_values[1, 12] = 0.0
-    d_values[1, 13] = t47
-    d_values[1, 14] = t48
-    d_values[1, 15] = 0.0
-    d_point[0, 0] = x_u * u_x + x_v * v_x
-    d_point[0, 1] = x_u * u_y + x_v * v_y
-    d_point[0, 2] = x_u * u_z + x_v * v_z
-    d_point[1, 0] = y_u * u_x + y_v * v_x
-    d_point[1, 1] = y_u * u_y + y_v * v_y
-    d_point[1, 2] = y_u * u_z + y_v * v_z
-    return True
-
-
-@cfunc(SIGNATURE, cache=True, error_model="numpy")
-def entry(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
-) -> int:
-    """Call `kernel` from compiled code by address; see `graphos_core.cameras.entry`."""
-    return int(
-        kernel(
-            carray(values, (16,)),
-            x,
-            y,
-            z,
-            carray(pixel, (2,)),
-            carray(d_point, (2, 3)),
-            carray(d_values, (2, row)),
-        )
-    )
+    d_values[row + 0] = t25
+    d_values[row + 1] = 0.0
+    d_values[row + 2] = 1.0
+    d_values[row + 3] = t45*t47
+    d_values[row + 4] = t45*t48
+    d_values[row + 5] = t45*t49
+    d_values[row + 6] = focal_px*t42*t46
+    d_values[row + 7] = -t46*t48
+    d_values[row + 8] = -t46*t49
+    d_values[row + 9] = focal_px*t22
+    d_values[row + 10] = focal_px*t21
+    d_values[row + 11] = 0.0
+    d_values[row + 12] = 0.0
+    d_values[row + 13] = t47
+    d_values[row + 14] = t48
+    d_values[row + 15] = 0.0
+    d_point[0] = x_u * u_x + x_v * v_x
+    d_point[1] = x_u * u_y + x_v * v_y
+    d_point[2] = x_u * u_z + x_v * v_z
+    d_point[3] = y_u * u_x + y_v * v_x
+    d_point[4] = y_u * u_y + y_v * v_y
+    d_point[5] = y_u * u_z + y_v * v_z
+    return 1

@@ -3,19 +3,19 @@
 Written by `graphos_core.cameras.generator` with SymPy 1.14.0 from `graphos_core.cameras.polynomial`: do not edit.
 """
 
-from numba import carray, cfunc, njit
+from numba import cfunc
 
 from graphos_core.cameras.entry import SIGNATURE
 from graphos_core.data.record import Array
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def kernel(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
-) -> bool:
-    """Project one point with derivatives; see `graphos_core.cameras.model`."""
+@cfunc(SIGNATURE, cache=True, error_model="numpy")
+def entry(
+    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
+) -> int:
+    """Project one point with derivatives; see `graphos_core.cameras.entry`."""
     if z <= 0.0:
-        return False
+        return 0
     s0 = (1.0 / z)
     s1 = (1.0 / (z*z))
     u = s0*x
@@ -115,66 +115,48 @@ def kernel(
     pixel[1] = d03*t14 + d12*t29 + d21*t30 + d30*t16 - e1*t4 + e2*t2 + e3*t27 - e4*t28 + e6*t20 + t3 + y0
     x_u = c21*t37 + focal_px + t23 + t24*t38 + t32 - 4*t34 + t9
     x_v = c12*t37 + t22*t41 + t25 + t26*t40 + t39 + t8*u
-    d_values[0, 0] = e1*t42 + e2*t43 - 4*e3*t19*t45 + e4*t44 + t45*t46 + t47*t48 + t47*t49 + t50*t52 + t50*t54 + u
-    d_values[0, 1] = 1.0
-    d_values[0, 2] = 0.0
-    d_values[0, 3] = -e1*t0*t5 + 4*e3*t11*t19*t6 - e4*t56 - t3*t55 - t46*t47 - t48*t57 - t49*t57 - t52*t58 - t54*t58
-    d_values[0, 4] = t2
-    d_values[0, 5] = t4
-    d_values[0, 6] = -t21
-    d_values[0, 7] = t27
-    d_values[0, 8] = t18
-    d_values[0, 9] = 0.0
-    d_values[0, 10] = t16
-    d_values[0, 11] = t30
-    d_values[0, 12] = t29
-    d_values[0, 13] = t14
-    d_values[0, 14] = 0.0
-    d_values[0, 15] = 0.0
-    d_values[0, 16] = 0.0
-    d_values[0, 17] = 0.0
+    d_values[0] = e1*t42 + e2*t43 - 4*e3*t19*t45 + e4*t44 + t45*t46 + t47*t48 + t47*t49 + t50*t52 + t50*t54 + u
+    d_values[1] = 1.0
+    d_values[2] = 0.0
+    d_values[3] = -e1*t0*t5 + 4*e3*t11*t19*t6 - e4*t56 - t3*t55 - t46*t47 - t48*t57 - t49*t57 - t52*t58 - t54*t58
+    d_values[4] = t2
+    d_values[5] = t4
+    d_values[6] = -t21
+    d_values[7] = t27
+    d_values[8] = t18
+    d_values[9] = 0.0
+    d_values[10] = t16
+    d_values[11] = t30
+    d_values[12] = t29
+    d_values[13] = t14
+    d_values[14] = 0.0
+    d_values[15] = 0.0
+    d_values[16] = 0.0
+    d_values[17] = 0.0
     y_u = d12*t22 + d21*t37 + e3*t26 + t24*t60 + t33*t59 + t39
     y_v = d12*t37 + d21*t24 + focal_px + t22*t61 - t32 + t34 - 4*t9
-    d_values[1, 0] = -e1*t43 + e2*t42 + e3*t44 - 4*e4*t17*t45 + t45*t62 + t47*t63 + t47*t64 + t50*t65 + t50*t66 + v
-    d_values[1, 1] = 0.0
-    d_values[1, 2] = 1.0
-    d_values[1, 3] = e1*focal_px*t5*v - e3*t56 + 4*e4*t11*t17*t6 - t0*t55 - t47*t62 - t57*t63 - t57*t64 - t58*t65 - t58*t66
-    d_values[1, 4] = -t4
-    d_values[1, 5] = t2
-    d_values[1, 6] = t27
-    d_values[1, 7] = -t28
-    d_values[1, 8] = 0.0
-    d_values[1, 9] = t20
-    d_values[1, 10] = 0.0
-    d_values[1, 11] = 0.0
-    d_values[1, 12] = 0.0
-    d_values[1, 13] = 0.0
-    d_values[1, 14] = t16
-    d_values[1, 15] = t30
-    d_values[1, 16] = t29
-    d_values[1, 17] = t14
-    d_point[0, 0] = x_u * u_x + x_v * v_x
-    d_point[0, 1] = x_u * u_y + x_v * v_y
-    d_point[0, 2] = x_u * u_z + x_v * v_z
-    d_point[1, 0] = y_u * u_x + y_v * v_x
-    d_point[1, 1] = y_u * u_y + y_v * v_y
-    d_point[1, 2] = y_u * u_z + y_v * v_z
-    return True
-
-
-@cfunc(SIGNATURE, cache=True, error_model="numpy")
-def entry(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
-) -> int:
-    """Call `kernel` from compiled code by address; see `graphos_core.cameras.entry`."""
-    return int(
-        kernel(
-            carray(values, (18,)),
-            x,
-            y,
-            z,
-            carray(pixel, (2,)),
-            carray(d_point, (2, 3)),
-            carray(d_values, (2, row)),
-        )
-    )
+    d_values[row + 0] = -e1*t43 + e2*t42 + e3*t44 - 4*e4*t17*t45 + t45*t62 + t47*t63 + t47*t64 + t50*t65 + t50*t66 + v
+    d_values[row + 1] = 0.0
+    d_values[row + 2] = 1.0
+    d_values[row + 3] = e1*focal_px*t5*v - e3*t56 + 4*e4*t11*t17*t6 - t0*t55 - t47*t62 - t57*t63 - t57*t64 - t58*t65 - t58*t66
+    d_values[row + 4] = -t4
+    d_values[row + 5] = t2
+    d_values[row + 6] = t27
+    d_values[row + 7] = -t28
+    d_values[row + 8] = 0.0
+    d_values[row + 9] = t20
+    d_values[row + 10] = 0.0
+    d_values[row + 11] = 0.0
+    d_values[row + 12] = 0.0
+    d_values[row + 13] = 0.0
+    d_values[row + 14] = t16
+    d_values[row + 15] = t30
+    d_values[row + 16] = t29
+    d_values[row + 17] = t14
+    d_point[0] = x_u * u_x + x_v * v_x
+    d_point[1] = x_u * u_y + x_v * v_y
+    d_point[2] = x_u * u_z + x_v * v_z
+    d_point[3] = y_u * u_x + y_v * v_x
+    d_point[4] = y_u * u_y + y_v * v_y
+    d_point[5] = y_u * u_z + y_v * v_z
+    return 1

@@ -3,19 +3,19 @@
 Written by `graphos_core.cameras.generator` with SymPy 1.14.0 from `graphos_core.cameras.polynomial`: do not edit.
 """
 
-from numba import carray, cfunc, njit
+from numba import cfunc
 
 from graphos_core.cameras.entry import SIGNATURE
 from graphos_core.data.record import Array
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def kernel(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
-) -> bool:
-    """Project one point with derivatives; see `graphos_core.cameras.model`."""
+@cfunc(SIGNATURE, cache=True, error_model="numpy")
+def entry(
+    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
+) -> int:
+    """Project one point with derivatives; see `graphos_core.cameras.entry`."""
     if z <= 0.0:
-        return False
+        return 0
     s0 = (1.0 / z)
     s1 = (1.0 / (z*z))
     u = s0*x
@@ -168,86 +168,68 @@ def kernel(
     pixel[1] = d03*t21 + d04*t14 + d12*t44 + d13*t42 + d21*t45 + d22*t38 + d30*t23 + d31*t43 + d40*t16 - e1*t4 + e2*t2 + e3*t40 - e4*t41 + e6*t27 + t3 + y0
     x_u = c22*t55 + focal_px + t30 + t31*t53 + t34 + t35*t54 + t47 - 4*t49 + t50*t52 + t56*t58 + t9
     x_v = c12*t61 + c13*t65 + c22*t67 + t29*t62 + t32 + t33*t63 + t36 + t39*t60 + t59 + t8*u
-    d_values[0, 0] = e1*t68 + e2*t69 - e3*t71*t72 + e4*t70 + t71*t73 + t74*t75 + t74*t76 + t74*t88 + t77*t78 + t77*t79 + t77*t85 + t77*t86 + t80*t82 + t80*t83 + u
-    d_values[0, 1] = 1.0
-    d_values[0, 2] = 0.0
-    d_values[0, 3] = -e1*t0*t5 + 4*e3*t18*t26*t6 - e4*t91 - t3*t89 - t73*t77 - t74*t78 - t74*t79 - t74*t85 - t74*t86 - t75*t92 - t76*t92 - t82*t93 - t83*t93 - t88*t92
-    d_values[0, 4] = t2
-    d_values[0, 5] = t4
-    d_values[0, 6] = -t28
-    d_values[0, 7] = t40
-    d_values[0, 8] = t25
-    d_values[0, 9] = 0.0
-    d_values[0, 10] = t23
-    d_values[0, 11] = t45
-    d_values[0, 12] = t44
-    d_values[0, 13] = t21
-    d_values[0, 14] = t16
-    d_values[0, 15] = t43
-    d_values[0, 16] = t38
-    d_values[0, 17] = t42
-    d_values[0, 18] = t14
-    d_values[0, 19] = 0.0
-    d_values[0, 20] = 0.0
-    d_values[0, 21] = 0.0
-    d_values[0, 22] = 0.0
-    d_values[0, 23] = 0.0
-    d_values[0, 24] = 0.0
-    d_values[0, 25] = 0.0
-    d_values[0, 26] = 0.0
-    d_values[0, 27] = 0.0
+    d_values[0] = e1*t68 + e2*t69 - e3*t71*t72 + e4*t70 + t71*t73 + t74*t75 + t74*t76 + t74*t88 + t77*t78 + t77*t79 + t77*t85 + t77*t86 + t80*t82 + t80*t83 + u
+    d_values[1] = 1.0
+    d_values[2] = 0.0
+    d_values[3] = -e1*t0*t5 + 4*e3*t18*t26*t6 - e4*t91 - t3*t89 - t73*t77 - t74*t78 - t74*t79 - t74*t85 - t74*t86 - t75*t92 - t76*t92 - t82*t93 - t83*t93 - t88*t92
+    d_values[4] = t2
+    d_values[5] = t4
+    d_values[6] = -t28
+    d_values[7] = t40
+    d_values[8] = t25
+    d_values[9] = 0.0
+    d_values[10] = t23
+    d_values[11] = t45
+    d_values[12] = t44
+    d_values[13] = t21
+    d_values[14] = t16
+    d_values[15] = t43
+    d_values[16] = t38
+    d_values[17] = t42
+    d_values[18] = t14
+    d_values[19] = 0.0
+    d_values[20] = 0.0
+    d_values[21] = 0.0
+    d_values[22] = 0.0
+    d_values[23] = 0.0
+    d_values[24] = 0.0
+    d_values[25] = 0.0
+    d_values[26] = 0.0
+    d_values[27] = 0.0
     y_u = d12*t33 + d13*t29 + d21*t61 + d22*t55 + e3*t39 + t31*t95 + t35*t96 + t48*t94 + t58*t97 + t59
     y_v = d12*t61 + d13*t65 + d21*t35 + d22*t67 + d31*t31 + focal_px + t29*t98 + t33*t99 - t47 + t49 - 4*t9
-    d_values[1, 0] = -e1*t69 + e2*t68 + e3*t70 - 4*e4*t24*t71 + t100*t71 + t101*t74 + t102*t74 + t103*t77 + t104*t77 + t105*t80 + t106*t80 + t107*t77 + t108*t90 + t109*t74 + v
-    d_values[1, 1] = 0.0
-    d_values[1, 2] = 1.0
-    d_values[1, 3] = e1*focal_px*t5*v - e3*t91 + 4*e4*t18*t24*t6 - t0*t89 - t100*t77 - t101*t92 - t102*t92 - t103*t74 - t104*t74 - t105*t93 - t106*t93 - t107*t74 - t108*t74*v - t109*t92
-    d_values[1, 4] = -t4
-    d_values[1, 5] = t2
-    d_values[1, 6] = t40
-    d_values[1, 7] = -t41
-    d_values[1, 8] = 0.0
-    d_values[1, 9] = t27
-    d_values[1, 10] = 0.0
-    d_values[1, 11] = 0.0
-    d_values[1, 12] = 0.0
-    d_values[1, 13] = 0.0
-    d_values[1, 14] = 0.0
-    d_values[1, 15] = 0.0
-    d_values[1, 16] = 0.0
-    d_values[1, 17] = 0.0
-    d_values[1, 18] = 0.0
-    d_values[1, 19] = t23
-    d_values[1, 20] = t45
-    d_values[1, 21] = t44
-    d_values[1, 22] = t21
-    d_values[1, 23] = t16
-    d_values[1, 24] = t43
-    d_values[1, 25] = t38
-    d_values[1, 26] = t42
-    d_values[1, 27] = t14
-    d_point[0, 0] = x_u * u_x + x_v * v_x
-    d_point[0, 1] = x_u * u_y + x_v * v_y
-    d_point[0, 2] = x_u * u_z + x_v * v_z
-    d_point[1, 0] = y_u * u_x + y_v * v_x
-    d_point[1, 1] = y_u * u_y + y_v * v_y
-    d_point[1, 2] = y_u * u_z + y_v * v_z
-    return True
-
-
-@cfunc(SIGNATURE, cache=True, error_model="numpy")
-def entry(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
-) -> int:
-    """Call `kernel` from compiled code by address; see `graphos_core.cameras.entry`."""
-    return int(
-        kernel(
-            carray(values, (28,)),
-            x,
-            y,
-            z,
-            carray(pixel, (2,)),
-            carray(d_point, (2, 3)),
-            carray(d_values, (2, row)),
-        )
-    )
+    d_values[row + 0] = -e1*t69 + e2*t68 + e3*t70 - 4*e4*t24*t71 + t100*t71 + t101*t74 + t102*t74 + t103*t77 + t104*t77 + t105*t80 + t106*t80 + t107*t77 + t108*t90 + t109*t74 + v
+    d_values[row + 1] = 0.0
+    d_values[row + 2] = 1.0
+    d_values[row + 3] = e1*focal_px*t5*v - e3*t91 + 4*e4*t18*t24*t6 - t0*t89 - t100*t77 - t101*t92 - t102*t92 - t103*t74 - t104*t74 - t105*t93 - t106*t93 - t107*t74 - t108*t74*v - t109*t92
+    d_values[row + 4] = -t4
+    d_values[row + 5] = t2
+    d_values[row + 6] = t40
+    d_values[row + 7] = -t41
+    d_values[row + 8] = 0.0
+    d_values[row + 9] = t27
+    d_values[row + 10] = 0.0
+    d_values[row + 11] = 0.0
+    d_values[row + 12] = 0.0
+    d_values[row + 13] = 0.0
+    d_values[row + 14] = 0.0
+    d_values[row + 15] = 0.0
+    d_values[row + 16] = 0.0
+    d_values[row + 17] = 0.0
+    d_values[row + 18] = 0.0
+    d_values[row + 19] = t23
+    d_values[row + 20] = t45
+    d_values[row + 21] = t44
+    d_values[row + 22] = t21
+    d_values[row + 23] = t16
+    d_values[row + 24] = t43
+    d_values[row + 25] = t38
+    d_values[row + 26] = t42
+    d_values[row + 27] = t14
+    d_point[0] = x_u * u_x + x_v * v_x
+    d_point[1] = x_u * u_y + x_v * v_y
+    d_point[2] = x_u * u_z + x_v * v_z
+    d_point[3] = y_u * u_x + y_v * v_x
+    d_point[4] = y_u * u_y + y_v * v_y
+    d_point[5] = y_u * u_z + y_v * v_z
+    return 1

@@ -3,19 +3,19 @@
 Written by `graphos_core.cameras.generator` with SymPy 1.14.0 from `graphos_core.cameras.polynomial`: do not edit.
 """
 
-from numba import carray, cfunc, njit
+from numba import cfunc
 
 from graphos_core.cameras.entry import SIGNATURE
 from graphos_core.data.record import Array
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def kernel(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
-) -> bool:
-    """Project one point with derivatives; see `graphos_core.cameras.model`."""
+@cfunc(SIGNATURE, cache=True, error_model="numpy")
+def entry(
+    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
+) -> int:
+    """Project one point with derivatives; see `graphos_core.cameras.entry`."""
     if z <= 0.0:
-        return False
+        return 0
     s0 = (1.0 / z)
     s1 = (1.0 / (z*z))
     u = s0*x
@@ -227,110 +227,92 @@ def kernel(
     pixel[1] = d03*t28 + d04*t21 + d05*t14 + d12*t61 + d13*t59 + d14*t57 + d21*t62 + d22*t53 + d23*t49 + d30*t30 + d31*t60 + d32*t51 + d40*t23 + d41*t58 + d50*t16 - e1*t4 + e2*t2 + e3*t55 - e4*t56 + e6*t34 + t3 + y0
     x_u = c22*t77 + c23*t73 + c32*t81 + focal_px + t37 + t38*t70 + t41 + t42*t71 + t45 + t46*t72 + t64 - 4*t66 + t67*t69 + t74*t76 + t78*t80 + t9
     x_v = c12*t84 + c13*t94 + c14*t89 + c22*t95 + c23*t81 + t36*t85 + t39 + t40*t86 + t43 + t44*t87 + t47 + t54*t83 + t8*u + t82 + t90*t92
-    d_values[0, 0] = e1*t96 + e2*t97 - e3*t100*t99 + e4*t98 + t101*t99 + t102*t103 + t102*t104 + t105*t106 + t105*t107 + t105*t116 + t105*t117 + t105*t125 + t108*t109 + t108*t110 + t108*t119 + t108*t120 + t111*t113 + t111*t114 + t111*t122 + t111*t123 + u
-    d_values[0, 1] = 1.0
-    d_values[0, 2] = 0.0
-    d_values[0, 3] = -e1*t0*t5 + 4*e3*t25*t33*t6 - e4*t128 - t101*t108 - t102*t106 - t102*t107 - t102*t116 - t102*t117 - t102*t125 - t103*t129 - t104*t129 - t105*t109 - t105*t110 - t105*t119 - t105*t120 - t113*t130 - t114*t130 - t122*t130 - t123*t130 - t126*t3
-    d_values[0, 4] = t2
-    d_values[0, 5] = t4
-    d_values[0, 6] = -t35
-    d_values[0, 7] = t55
-    d_values[0, 8] = t32
-    d_values[0, 9] = 0.0
-    d_values[0, 10] = t30
-    d_values[0, 11] = t62
-    d_values[0, 12] = t61
-    d_values[0, 13] = t28
-    d_values[0, 14] = t23
-    d_values[0, 15] = t60
-    d_values[0, 16] = t53
-    d_values[0, 17] = t59
-    d_values[0, 18] = t21
-    d_values[0, 19] = t16
-    d_values[0, 20] = t58
-    d_values[0, 21] = t51
-    d_values[0, 22] = t49
-    d_values[0, 23] = t57
-    d_values[0, 24] = t14
-    d_values[0, 25] = 0.0
-    d_values[0, 26] = 0.0
-    d_values[0, 27] = 0.0
-    d_values[0, 28] = 0.0
-    d_values[0, 29] = 0.0
-    d_values[0, 30] = 0.0
-    d_values[0, 31] = 0.0
-    d_values[0, 32] = 0.0
-    d_values[0, 33] = 0.0
-    d_values[0, 34] = 0.0
-    d_values[0, 35] = 0.0
-    d_values[0, 36] = 0.0
-    d_values[0, 37] = 0.0
-    d_values[0, 38] = 0.0
-    d_values[0, 39] = 0.0
+    d_values[0] = e1*t96 + e2*t97 - e3*t100*t99 + e4*t98 + t101*t99 + t102*t103 + t102*t104 + t105*t106 + t105*t107 + t105*t116 + t105*t117 + t105*t125 + t108*t109 + t108*t110 + t108*t119 + t108*t120 + t111*t113 + t111*t114 + t111*t122 + t111*t123 + u
+    d_values[1] = 1.0
+    d_values[2] = 0.0
+    d_values[3] = -e1*t0*t5 + 4*e3*t25*t33*t6 - e4*t128 - t101*t108 - t102*t106 - t102*t107 - t102*t116 - t102*t117 - t102*t125 - t103*t129 - t104*t129 - t105*t109 - t105*t110 - t105*t119 - t105*t120 - t113*t130 - t114*t130 - t122*t130 - t123*t130 - t126*t3
+    d_values[4] = t2
+    d_values[5] = t4
+    d_values[6] = -t35
+    d_values[7] = t55
+    d_values[8] = t32
+    d_values[9] = 0.0
+    d_values[10] = t30
+    d_values[11] = t62
+    d_values[12] = t61
+    d_values[13] = t28
+    d_values[14] = t23
+    d_values[15] = t60
+    d_values[16] = t53
+    d_values[17] = t59
+    d_values[18] = t21
+    d_values[19] = t16
+    d_values[20] = t58
+    d_values[21] = t51
+    d_values[22] = t49
+    d_values[23] = t57
+    d_values[24] = t14
+    d_values[25] = 0.0
+    d_values[26] = 0.0
+    d_values[27] = 0.0
+    d_values[28] = 0.0
+    d_values[29] = 0.0
+    d_values[30] = 0.0
+    d_values[31] = 0.0
+    d_values[32] = 0.0
+    d_values[33] = 0.0
+    d_values[34] = 0.0
+    d_values[35] = 0.0
+    d_values[36] = 0.0
+    d_values[37] = 0.0
+    d_values[38] = 0.0
+    d_values[39] = 0.0
     y_u = d12*t44 + d13*t40 + d14*t36 + d21*t84 + d22*t77 + d23*t73 + d32*t81 + e3*t54 + t131*t65 + t132*t38 + t133*t42 + t134*t46 + t135*t76 + t136*t80 + t82
     y_v = d12*t84 + d13*t94 + d14*t89 + d21*t46 + d22*t95 + d23*t81 + d31*t42 + d41*t38 + focal_px + t137*t36 + t138*t40 + t139*t44 + t140*t92 - t64 + t66 - 4*t9
-    d_values[1, 0] = -e1*t97 + e2*t96 + e3*t98 - 4*e4*t31*t99 + t102*t142 + t102*t143 + t105*t144 + t105*t145 + t105*t150 + t105*t151 + t105*t156 + t108*t146 + t108*t147 + t108*t152 + t111*t148 + t111*t149 + t111*t154 + t111*t155 + t127*t153 + t141*t99 + v
-    d_values[1, 1] = 0.0
-    d_values[1, 2] = 1.0
-    d_values[1, 3] = e1*focal_px*t5*v - e3*t128 + 4*e4*t25*t31*t6 - t0*t126 - t102*t144 - t102*t145 - t102*t150 - t102*t151 - t102*t156 - t105*t146 - t105*t147 - t105*t152 - t105*t153*v - t108*t141 - t129*t142 - t129*t143 - t130*t148 - t130*t149 - t130*t154 - t130*t155
-    d_values[1, 4] = -t4
-    d_values[1, 5] = t2
-    d_values[1, 6] = t55
-    d_values[1, 7] = -t56
-    d_values[1, 8] = 0.0
-    d_values[1, 9] = t34
-    d_values[1, 10] = 0.0
-    d_values[1, 11] = 0.0
-    d_values[1, 12] = 0.0
-    d_values[1, 13] = 0.0
-    d_values[1, 14] = 0.0
-    d_values[1, 15] = 0.0
-    d_values[1, 16] = 0.0
-    d_values[1, 17] = 0.0
-    d_values[1, 18] = 0.0
-    d_values[1, 19] = 0.0
-    d_values[1, 20] = 0.0
-    d_values[1, 21] = 0.0
-    d_values[1, 22] = 0.0
-    d_values[1, 23] = 0.0
-    d_values[1, 24] = 0.0
-    d_values[1, 25] = t30
-    d_values[1, 26] = t62
-    d_values[1, 27] = t61
-    d_values[1, 28] = t28
-    d_values[1, 29] = t23
-    d_values[1, 30] = t60
-    d_values[1, 31] = t53
-    d_values[1, 32] = t59
-    d_values[1, 33] = t21
-    d_values[1, 34] = t16
-    d_values[1, 35] = t58
-    d_values[1, 36] = t51
-    d_values[1, 37] = t49
-    d_values[1, 38] = t57
-    d_values[1, 39] = t14
-    d_point[0, 0] = x_u * u_x + x_v * v_x
-    d_point[0, 1] = x_u * u_y + x_v * v_y
-    d_point[0, 2] = x_u * u_z + x_v * v_z
-    d_point[1, 0] = y_u * u_x + y_v * v_x
-    d_point[1, 1] = y_u * u_y + y_v * v_y
-    d_point[1, 2] = y_u * u_z + y_v * v_z
-    return True
-
-
-@cfunc(SIGNATURE, cache=True, error_model="numpy")
-def entry(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
-) -> int:
-    """Call `kernel` from compiled code by address; see `graphos_core.cameras.entry`."""
-    return int(
-        kernel(
-            carray(values, (40,)),
-            x,
-            y,
-            z,
-            carray(pixel, (2,)),
-            carray(d_point, (2, 3)),
-            carray(d_values, (2, row)),
-        )
-    )
+    d_values[row + 0] = -e1*t97 + e2*t96 + e3*t98 - 4*e4*t31*t99 + t102*t142 + t102*t143 + t105*t144 + t105*t145 + t105*t150 + t105*t151 + t105*t156 + t108*t146 + t108*t147 + t108*t152 + t111*t148 + t111*t149 + t111*t154 + t111*t155 + t127*t153 + t141*t99 + v
+    d_values[row + 1] = 0.0
+    d_values[row + 2] = 1.0
+    d_values[row + 3] = e1*focal_px*t5*v - e3*t128 + 4*e4*t25*t31*t6 - t0*t126 - t102*t144 - t102*t145 - t102*t150 - t102*t151 - t102*t156 - t105*t146 - t105*t147 - t105*t152 - t105*t153*v - t108*t141 - t129*t142 - t129*t143 - t130*t148 - t130*t149 - t130*t154 - t130*t155
+    d_values[row + 4] = -t4
+    d_values[row + 5] = t2
+    d_values[row + 6] = t55
+    d_values[row + 7] = -t56
+    d_values[row + 8] = 0.0
+    d_values[row + 9] = t34
+    d_values[row + 10] = 0.0
+    d_values[row + 11] = 0.0
+    d_values[row + 12] = 0.0
+    d_values[row + 13] = 0.0
+    d_values[row + 14] = 0.0
+    d_values[row + 15] = 0.0
+    d_values[row + 16] = 0.0
+    d_values[row + 17] = 0.0
+    d_values[row + 18] = 0.0
+    d_values[row + 19] = 0.0
+    d_values[row + 20] = 0.0
+    d_values[row + 21] = 0.0
+    d_values[row + 22] = 0.0
+    d_values[row + 23] = 0.0
+    d_values[row + 24] = 0.0
+    d_values[row + 25] = t30
+    d_values[row + 26] = t62
+    d_values[row + 27] = t61
+    d_values[row + 28] = t28
+    d_values[row + 29] = t23
+    d_values[row + 30] = t60
+    d_values[row + 31] = t53
+    d_values[row + 32] = t59
+    d_values[row + 33] = t21
+    d_values[row + 34] = t16
+    d_values[row + 35] = t58
+    d_values[row + 36] = t51
+    d_values[row + 37] = t49
+    d_values[row + 38] = t57
+    d_values[row + 39] = t14
+    d_point[0] = x_u * u_x + x_v * v_x
+    d_point[1] = x_u * u_y + x_v * v_y
+    d_point[2] = x_u * u_z + x_v * v_z
+    d_point[3] = y_u * u_x + y_v * v_x
+    d_point[4] = y_u * u_y + y_v * v_y
+    d_point[5] = y_u * u_z + y_v * v_z
+    return 1

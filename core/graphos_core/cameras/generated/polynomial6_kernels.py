@@ -3,19 +3,19 @@
 Written by `graphos_core.cameras.generator` with SymPy 1.14.0 from `graphos_core.cameras.polynomial`: do not edit.
 """
 
-from numba import carray, cfunc, njit
+from numba import cfunc
 
 from graphos_core.cameras.entry import SIGNATURE
 from graphos_core.data.record import Array
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def kernel(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
-) -> bool:
-    """Project one point with derivatives; see `graphos_core.cameras.model`."""
+@cfunc(SIGNATURE, cache=True, error_model="numpy")
+def entry(
+    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
+) -> int:
+    """Project one point with derivatives; see `graphos_core.cameras.entry`."""
     if z <= 0.0:
-        return False
+        return 0
     s0 = (1.0 / z)
     s1 = (1.0 / (z*z))
     u = s0*x
@@ -299,138 +299,120 @@ def kernel(
     pixel[1] = d03*t35 + d04*t28 + d05*t21 + d06*t14 + d12*t80 + d13*t78 + d14*t76 + d15*t74 + d21*t81 + d22*t70 + d23*t66 + d24*t60 + d30*t37 + d31*t79 + d32*t68 + d33*t62 + d40*t30 + d41*t77 + d42*t64 + d50*t23 + d51*t75 + d60*t16 - e1*t4 + e2*t2 + e3*t72 - e4*t73 + e6*t41 + t3 + y0
     x_u = c22*t101 + c23*t97 + c24*t93 + c32*t107 + c33*t105 + c42*t106 + focal_px + t100*t98 + t102*t104 + t44 + t45*t89 + t48 + t49*t90 + t52 + t53*t91 + t56 + t57*t92 + t83 - 4*t85 + t86*t88 + t9 + t94*t96
     x_v = c12*t110 + c13*t125 + c14*t121 + c15*t116 + c22*t126 + c23*t107 + c24*t128 + t108 + t109*t71 + t111*t43 + t112*t47 + t113*t51 + t114*t55 + t117*t119 + t122*t123 + t129*t130 + t46 + t50 + t54 + t58 + t8*u
-    d_values[0, 0] = e1*t131 + e2*t132 - e3*t127*t134 + e4*t133 + t134*t135 + t136*t137 + t136*t138 + t139*t140 + t139*t141 + t139*t153 + t139*t154 + t142*t143 + t142*t144 + t142*t156 + t142*t157 + t142*t170 + t145*t146 + t145*t147 + t145*t159 + t145*t160 + t148*t150 + t148*t151 + t148*t162 + t148*t163 + t148*t164 + t165*t167 + t165*t168 + u
-    d_values[0, 1] = 1.0
-    d_values[0, 2] = 0.0
-    d_values[0, 3] = -e1*t0*t5 + 4*e3*t32*t40*t6 - e4*t173 - t135*t145 - t136*t140 - t136*t141 - t136*t153 - t136*t154 - t137*t174 - t138*t174 - t139*t143 - t139*t144 - t139*t156 - t139*t157 - t139*t170 - t142*t146 - t142*t147 - t142*t159 - t142*t160 - t150*t175 - t151*t175 - t162*t175 - t163*t175 - t164*t175 - t167*t176 - t168*t176 - t171*t3
-    d_values[0, 4] = t2
-    d_values[0, 5] = t4
-    d_values[0, 6] = -t42
-    d_values[0, 7] = t72
-    d_values[0, 8] = t39
-    d_values[0, 9] = 0.0
-    d_values[0, 10] = t37
-    d_values[0, 11] = t81
-    d_values[0, 12] = t80
-    d_values[0, 13] = t35
-    d_values[0, 14] = t30
-    d_values[0, 15] = t79
-    d_values[0, 16] = t70
-    d_values[0, 17] = t78
-    d_values[0, 18] = t28
-    d_values[0, 19] = t23
-    d_values[0, 20] = t77
-    d_values[0, 21] = t68
-    d_values[0, 22] = t66
-    d_values[0, 23] = t76
-    d_values[0, 24] = t21
-    d_values[0, 25] = t16
-    d_values[0, 26] = t75
-    d_values[0, 27] = t64
-    d_values[0, 28] = t62
-    d_values[0, 29] = t60
-    d_values[0, 30] = t74
-    d_values[0, 31] = t14
-    d_values[0, 32] = 0.0
-    d_values[0, 33] = 0.0
-    d_values[0, 34] = 0.0
-    d_values[0, 35] = 0.0
-    d_values[0, 36] = 0.0
-    d_values[0, 37] = 0.0
-    d_values[0, 38] = 0.0
-    d_values[0, 39] = 0.0
-    d_values[0, 40] = 0.0
-    d_values[0, 41] = 0.0
-    d_values[0, 42] = 0.0
-    d_values[0, 43] = 0.0
-    d_values[0, 44] = 0.0
-    d_values[0, 45] = 0.0
-    d_values[0, 46] = 0.0
-    d_values[0, 47] = 0.0
-    d_values[0, 48] = 0.0
-    d_values[0, 49] = 0.0
-    d_values[0, 50] = 0.0
-    d_values[0, 51] = 0.0
-    d_values[0, 52] = 0.0
-    d_values[0, 53] = 0.0
+    d_values[0] = e1*t131 + e2*t132 - e3*t127*t134 + e4*t133 + t134*t135 + t136*t137 + t136*t138 + t139*t140 + t139*t141 + t139*t153 + t139*t154 + t142*t143 + t142*t144 + t142*t156 + t142*t157 + t142*t170 + t145*t146 + t145*t147 + t145*t159 + t145*t160 + t148*t150 + t148*t151 + t148*t162 + t148*t163 + t148*t164 + t165*t167 + t165*t168 + u
+    d_values[1] = 1.0
+    d_values[2] = 0.0
+    d_values[3] = -e1*t0*t5 + 4*e3*t32*t40*t6 - e4*t173 - t135*t145 - t136*t140 - t136*t141 - t136*t153 - t136*t154 - t137*t174 - t138*t174 - t139*t143 - t139*t144 - t139*t156 - t139*t157 - t139*t170 - t142*t146 - t142*t147 - t142*t159 - t142*t160 - t150*t175 - t151*t175 - t162*t175 - t163*t175 - t164*t175 - t167*t176 - t168*t176 - t171*t3
+    d_values[4] = t2
+    d_values[5] = t4
+    d_values[6] = -t42
+    d_values[7] = t72
+    d_values[8] = t39
+    d_values[9] = 0.0
+    d_values[10] = t37
+    d_values[11] = t81
+    d_values[12] = t80
+    d_values[13] = t35
+    d_values[14] = t30
+    d_values[15] = t79
+    d_values[16] = t70
+    d_values[17] = t78
+    d_values[18] = t28
+    d_values[19] = t23
+    d_values[20] = t77
+    d_values[21] = t68
+    d_values[22] = t66
+    d_values[23] = t76
+    d_values[24] = t21
+    d_values[25] = t16
+    d_values[26] = t75
+    d_values[27] = t64
+    d_values[28] = t62
+    d_values[29] = t60
+    d_values[30] = t74
+    d_values[31] = t14
+    d_values[32] = 0.0
+    d_values[33] = 0.0
+    d_values[34] = 0.0
+    d_values[35] = 0.0
+    d_values[36] = 0.0
+    d_values[37] = 0.0
+    d_values[38] = 0.0
+    d_values[39] = 0.0
+    d_values[40] = 0.0
+    d_values[41] = 0.0
+    d_values[42] = 0.0
+    d_values[43] = 0.0
+    d_values[44] = 0.0
+    d_values[45] = 0.0
+    d_values[46] = 0.0
+    d_values[47] = 0.0
+    d_values[48] = 0.0
+    d_values[49] = 0.0
+    d_values[50] = 0.0
+    d_values[51] = 0.0
+    d_values[52] = 0.0
+    d_values[53] = 0.0
     y_u = d12*t55 + d13*t51 + d14*t47 + d15*t43 + d21*t110 + d22*t101 + d23*t97 + d24*t93 + d32*t107 + d33*t105 + d42*t106 + e3*t71 + t100*t183 + t104*t184 + t108 + t177*t84 + t178*t45 + t179*t49 + t180*t53 + t181*t57 + t182*t96
     y_v = d12*t110 + d13*t125 + d14*t121 + d15*t116 + d21*t57 + d22*t126 + d23*t107 + d24*t128 + d31*t53 + d41*t49 + d51*t45 + focal_px + t119*t189 + t123*t190 + t130*t191 + t185*t43 + t186*t47 + t187*t51 + t188*t55 - t83 + t85 - 4*t9
-    d_values[1, 0] = -e1*t132 + e2*t131 + e3*t133 - 4*e4*t134*t38 + t134*t192 + t136*t193 + t136*t194 + t139*t195 + t139*t196 + t139*t203 + t139*t204 + t142*t197 + t142*t198 + t142*t205 + t142*t206 + t142*t214 + t145*t199 + t145*t200 + t145*t207 + t148*t201 + t148*t202 + t148*t209 + t148*t210 + t148*t211 + t165*t212 + t165*t213 + t172*t208 + v
-    d_values[1, 1] = 0.0
-    d_values[1, 2] = 1.0
-    d_values[1, 3] = e1*focal_px*t5*v - e3*t173 + 4*e4*t32*t38*t6 - t0*t171 - t136*t195 - t136*t196 - t136*t203 - t136*t204 - t139*t197 - t139*t198 - t139*t205 - t139*t206 - t139*t214 - t142*t199 - t142*t200 - t142*t207 - t142*t208*v - t145*t192 - t174*t193 - t174*t194 - t175*t201 - t175*t202 - t175*t209 - t175*t210 - t175*t211 - t176*t212 - t176*t213
-    d_values[1, 4] = -t4
-    d_values[1, 5] = t2
-    d_values[1, 6] = t72
-    d_values[1, 7] = -t73
-    d_values[1, 8] = 0.0
-    d_values[1, 9] = t41
-    d_values[1, 10] = 0.0
-    d_values[1, 11] = 0.0
-    d_values[1, 12] = 0.0
-    d_values[1, 13] = 0.0
-    d_values[1, 14] = 0.0
-    d_values[1, 15] = 0.0
-    d_values[1, 16] = 0.0
-    d_values[1, 17] = 0.0
-    d_values[1, 18] = 0.0
-    d_values[1, 19] = 0.0
-    d_values[1, 20] = 0.0
-    d_values[1, 21] = 0.0
-    d_values[1, 22] = 0.0
-    d_values[1, 23] = 0.0
-    d_values[1, 24] = 0.0
-    d_values[1, 25] = 0.0
-    d_values[1, 26] = 0.0
-    d_values[1, 27] = 0.0
-    d_values[1, 28] = 0.0
-    d_values[1, 29] = 0.0
-    d_values[1, 30] = 0.0
-    d_values[1, 31] = 0.0
-    d_values[1, 32] = t37
-    d_values[1, 33] = t81
-    d_values[1, 34] = t80
-    d_values[1, 35] = t35
-    d_values[1, 36] = t30
-    d_values[1, 37] = t79
-    d_values[1, 38] = t70
-    d_values[1, 39] = t78
-    d_values[1, 40] = t28
-    d_values[1, 41] = t23
-    d_values[1, 42] = t77
-    d_values[1, 43] = t68
-    d_values[1, 44] = t66
-    d_values[1, 45] = t76
-    d_values[1, 46] = t21
-    d_values[1, 47] = t16
-    d_values[1, 48] = t75
-    d_values[1, 49] = t64
-    d_values[1, 50] = t62
-    d_values[1, 51] = t60
-    d_values[1, 52] = t74
-    d_values[1, 53] = t14
-    d_point[0, 0] = x_u * u_x + x_v * v_x
-    d_point[0, 1] = x_u * u_y + x_v * v_y
-    d_point[0, 2] = x_u * u_z + x_v * v_z
-    d_point[1, 0] = y_u * u_x + y_v * v_x
-    d_point[1, 1] = y_u * u_y + y_v * v_y
-    d_point[1, 2] = y_u * u_z + y_v * v_z
-    return True
-
-
-@cfunc(SIGNATURE, cache=True, error_model="numpy")
-def entry(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
-) -> int:
-    """Call `kernel` from compiled code by address; see `graphos_core.cameras.entry`."""
-    return int(
-        kernel(
-            carray(values, (54,)),
-            x,
-            y,
-            z,
-            carray(pixel, (2,)),
-            carray(d_point, (2, 3)),
-            carray(d_values, (2, row)),
-        )
-    )
+    d_values[row + 0] = -e1*t132 + e2*t131 + e3*t133 - 4*e4*t134*t38 + t134*t192 + t136*t193 + t136*t194 + t139*t195 + t139*t196 + t139*t203 + t139*t204 + t142*t197 + t142*t198 + t142*t205 + t142*t206 + t142*t214 + t145*t199 + t145*t200 + t145*t207 + t148*t201 + t148*t202 + t148*t209 + t148*t210 + t148*t211 + t165*t212 + t165*t213 + t172*t208 + v
+    d_values[row + 1] = 0.0
+    d_values[row + 2] = 1.0
+    d_values[row + 3] = e1*focal_px*t5*v - e3*t173 + 4*e4*t32*t38*t6 - t0*t171 - t136*t195 - t136*t196 - t136*t203 - t136*t204 - t139*t197 - t139*t198 - t139*t205 - t139*t206 - t139*t214 - t142*t199 - t142*t200 - t142*t207 - t142*t208*v - t145*t192 - t174*t193 - t174*t194 - t175*t201 - t175*t202 - t175*t209 - t175*t210 - t175*t211 - t176*t212 - t176*t213
+    d_values[row + 4] = -t4
+    d_values[row + 5] = t2
+    d_values[row + 6] = t72
+    d_values[row + 7] = -t73
+    d_values[row + 8] = 0.0
+    d_values[row + 9] = t41
+    d_values[row + 10] = 0.0
+    d_values[row + 11] = 0.0
+    d_values[row + 12] = 0.0
+    d_values[row + 13] = 0.0
+    d_values[row + 14] = 0.0
+    d_values[row + 15] = 0.0
+    d_values[row + 16] = 0.0
+    d_values[row + 17] = 0.0
+    d_values[row + 18] = 0.0
+    d_values[row + 19] = 0.0
+    d_values[row + 20] = 0.0
+    d_values[row + 21] = 0.0
+    d_values[row + 22] = 0.0
+    d_values[row + 23] = 0.0
+    d_values[row + 24] = 0.0
+    d_values[row + 25] = 0.0
+    d_values[row + 26] = 0.0
+    d_values[row + 27] = 0.0
+    d_values[row + 28] = 0.0
+    d_values[row + 29] = 0.0
+    d_values[row + 30] = 0.0
+    d_values[row + 31] = 0.0
+    d_values[row + 32] = t37
+    d_values[row + 33] = t81
+    d_values[row + 34] = t80
+    d_values[row + 35] = t35
+    d_values[row + 36] = t30
+    d_values[row + 37] = t79
+    d_values[row + 38] = t70
+    d_values[row + 39] = t78
+    d_values[row + 40] = t28
+    d_values[row + 41] = t23
+    d_values[row + 42] = t77
+    d_values[row + 43] = t68
+    d_values[row + 44] = t66
+    d_values[row + 45] = t76
+    d_values[row + 46] = t21
+    d_values[row + 47] = t16
+    d_values[row + 48] = t75
+    d_values[row + 49] = t64
+    d_values[row + 50] = t62
+    d_values[row + 51] = t60
+    d_values[row + 52] = t74
+    d_values[row + 53] = t14
+    d_point[0] = x_u * u_x + x_v * v_x
+    d_point[1] = x_u * u_y + x_v * v_y
+    d_point[2] = x_u * u_z + x_v * v_z
+    d_point[3] = y_u * u_x + y_v * v_x
+    d_point[4] = y_u * u_y + y_v * v_y
+    d_point[5] = y_u * u_z + y_v * v_z
+    return 1

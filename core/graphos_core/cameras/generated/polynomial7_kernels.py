@@ -3,19 +3,19 @@
 Written by `graphos_core.cameras.generator` with SymPy 1.14.0 from `graphos_core.cameras.polynomial`: do not edit.
 """
 
-from numba import carray, cfunc, njit
+from numba import cfunc
 
 from graphos_core.cameras.entry import SIGNATURE
 from graphos_core.data.record import Array
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def kernel(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
-) -> bool:
-    """Project one point with derivatives; see `graphos_core.cameras.model`."""
+@cfunc(SIGNATURE, cache=True, error_model="numpy")
+def entry(
+    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
+) -> int:
+    """Project one point with derivatives; see `graphos_core.cameras.entry`."""
     if z <= 0.0:
-        return False
+        return 0
     s0 = (1.0 / z)
     s1 = (1.0 / (z*z))
     u = s0*x
@@ -379,170 +379,152 @@ def kernel(
     pixel[1] = d03*t42 + d04*t35 + d05*t28 + d06*t21 + d07*t14 + d12*t101 + d13*t99 + d14*t97 + d15*t95 + d16*t93 + d21*t102 + d22*t89 + d23*t85 + d24*t79 + d25*t71 + d30*t44 + d31*t100 + d32*t87 + d33*t81 + d34*t73 + d40*t37 + d41*t98 + d42*t83 + d43*t75 + d50*t30 + d51*t96 + d52*t77 + d60*t23 + d61*t94 + d70*t16 - e1*t4 + e2*t2 + e3*t91 - e4*t92 + e6*t48 + t3 + y0
     x_u = c22*t127 + c23*t123 + c24*t119 + c25*t115 + c32*t136 + c33*t134 + c34*t131 + c42*t135 + c43*t132 + c52*t133 + focal_px + t104 - 4*t106 + t107*t109 + t110*t52 + t111*t56 + t112*t60 + t113*t64 + t114*t68 + t116*t118 + t120*t122 + t124*t126 + t128*t130 + t51 + t55 + t59 + t63 + t67 + t9
     x_v = c12*t139 + c13*t159 + c14*t155 + c15*t151 + c16*t146 + c22*t160 + c23*t136 + c24*t166 + c25*t162 + c34*t132 + t137 + t138*t90 + t140*t50 + t141*t54 + t142*t58 + t143*t62 + t144*t66 + t147*t149 + t152*t153 + t156*t157 + t163*t164 + t167*t168 + t53 + t57 + t61 + t65 + t69 + t8*u
-    d_values[0, 0] = e1*t169 + e2*t170 - e3*t165*t172 + e4*t171 + t172*t173 + t174*t175 + t174*t176 + t177*t178 + t177*t179 + t177*t194 + t177*t195 + t180*t181 + t180*t182 + t180*t197 + t180*t198 + t180*t217 + t180*t219 + t183*t184 + t183*t185 + t183*t200 + t183*t201 + t183*t221 + t186*t187 + t186*t188 + t186*t203 + t186*t204 + t189*t191 + t189*t192 + t189*t206 + t189*t208 + t189*t209 + t189*t210 + t211*t213 + t211*t214 + t211*t215 + u
-    d_values[0, 1] = 1.0
-    d_values[0, 2] = 0.0
-    d_values[0, 3] = -e1*t0*t5 + 4*e3*t39*t47*t6 - e4*t224 - t173*t186 - t174*t178 - t174*t179 - t174*t194 - t174*t195 - t175*t225 - t176*t225 - t177*t181 - t177*t182 - t177*t197 - t177*t198 - t177*t217 - t177*t219 - t180*t184 - t180*t185 - t180*t200 - t180*t201 - t180*t221 - t183*t187 - t183*t188 - t183*t203 - t183*t204 - t191*t226 - t192*t226 - t206*t226 - t208*t226 - t209*t226 - t210*t226 - t213*t227 - t214*t227 - t215*t227 - t222*t3
-    d_values[0, 4] = t2
-    d_values[0, 5] = t4
-    d_values[0, 6] = -t49
-    d_values[0, 7] = t91
-    d_values[0, 8] = t46
-    d_values[0, 9] = 0.0
-    d_values[0, 10] = t44
-    d_values[0, 11] = t102
-    d_values[0, 12] = t101
-    d_values[0, 13] = t42
-    d_values[0, 14] = t37
-    d_values[0, 15] = t100
-    d_values[0, 16] = t89
-    d_values[0, 17] = t99
-    d_values[0, 18] = t35
-    d_values[0, 19] = t30
-    d_values[0, 20] = t98
-    d_values[0, 21] = t87
-    d_values[0, 22] = t85
-    d_values[0, 23] = t97
-    d_values[0, 24] = t28
-    d_values[0, 25] = t23
-    d_values[0, 26] = t96
-    d_values[0, 27] = t83
-    d_values[0, 28] = t81
-    d_values[0, 29] = t79
-    d_values[0, 30] = t95
-    d_values[0, 31] = t21
-    d_values[0, 32] = t16
-    d_values[0, 33] = t94
-    d_values[0, 34] = t77
-    d_values[0, 35] = t75
-    d_values[0, 36] = t73
-    d_values[0, 37] = t71
-    d_values[0, 38] = t93
-    d_values[0, 39] = t14
-    d_values[0, 40] = 0.0
-    d_values[0, 41] = 0.0
-    d_values[0, 42] = 0.0
-    d_values[0, 43] = 0.0
-    d_values[0, 44] = 0.0
-    d_values[0, 45] = 0.0
-    d_values[0, 46] = 0.0
-    d_values[0, 47] = 0.0
-    d_values[0, 48] = 0.0
-    d_values[0, 49] = 0.0
-    d_values[0, 50] = 0.0
-    d_values[0, 51] = 0.0
-    d_values[0, 52] = 0.0
-    d_values[0, 53] = 0.0
-    d_values[0, 54] = 0.0
-    d_values[0, 55] = 0.0
-    d_values[0, 56] = 0.0
-    d_values[0, 57] = 0.0
-    d_values[0, 58] = 0.0
-    d_values[0, 59] = 0.0
-    d_values[0, 60] = 0.0
-    d_values[0, 61] = 0.0
-    d_values[0, 62] = 0.0
-    d_values[0, 63] = 0.0
-    d_values[0, 64] = 0.0
-    d_values[0, 65] = 0.0
-    d_values[0, 66] = 0.0
-    d_values[0, 67] = 0.0
-    d_values[0, 68] = 0.0
-    d_values[0, 69] = 0.0
+    d_values[0] = e1*t169 + e2*t170 - e3*t165*t172 + e4*t171 + t172*t173 + t174*t175 + t174*t176 + t177*t178 + t177*t179 + t177*t194 + t177*t195 + t180*t181 + t180*t182 + t180*t197 + t180*t198 + t180*t217 + t180*t219 + t183*t184 + t183*t185 + t183*t200 + t183*t201 + t183*t221 + t186*t187 + t186*t188 + t186*t203 + t186*t204 + t189*t191 + t189*t192 + t189*t206 + t189*t208 + t189*t209 + t189*t210 + t211*t213 + t211*t214 + t211*t215 + u
+    d_values[1] = 1.0
+    d_values[2] = 0.0
+    d_values[3] = -e1*t0*t5 + 4*e3*t39*t47*t6 - e4*t224 - t173*t186 - t174*t178 - t174*t179 - t174*t194 - t174*t195 - t175*t225 - t176*t225 - t177*t181 - t177*t182 - t177*t197 - t177*t198 - t177*t217 - t177*t219 - t180*t184 - t180*t185 - t180*t200 - t180*t201 - t180*t221 - t183*t187 - t183*t188 - t183*t203 - t183*t204 - t191*t226 - t192*t226 - t206*t226 - t208*t226 - t209*t226 - t210*t226 - t213*t227 - t214*t227 - t215*t227 - t222*t3
+    d_values[4] = t2
+    d_values[5] = t4
+    d_values[6] = -t49
+    d_values[7] = t91
+    d_values[8] = t46
+    d_values[9] = 0.0
+    d_values[10] = t44
+    d_values[11] = t102
+    d_values[12] = t101
+    d_values[13] = t42
+    d_values[14] = t37
+    d_values[15] = t100
+    d_values[16] = t89
+    d_values[17] = t99
+    d_values[18] = t35
+    d_values[19] = t30
+    d_values[20] = t98
+    d_values[21] = t87
+    d_values[22] = t85
+    d_values[23] = t97
+    d_values[24] = t28
+    d_values[25] = t23
+    d_values[26] = t96
+    d_values[27] = t83
+    d_values[28] = t81
+    d_values[29] = t79
+    d_values[30] = t95
+    d_values[31] = t21
+    d_values[32] = t16
+    d_values[33] = t94
+    d_values[34] = t77
+    d_values[35] = t75
+    d_values[36] = t73
+    d_values[37] = t71
+    d_values[38] = t93
+    d_values[39] = t14
+    d_values[40] = 0.0
+    d_values[41] = 0.0
+    d_values[42] = 0.0
+    d_values[43] = 0.0
+    d_values[44] = 0.0
+    d_values[45] = 0.0
+    d_values[46] = 0.0
+    d_values[47] = 0.0
+    d_values[48] = 0.0
+    d_values[49] = 0.0
+    d_values[50] = 0.0
+    d_values[51] = 0.0
+    d_values[52] = 0.0
+    d_values[53] = 0.0
+    d_values[54] = 0.0
+    d_values[55] = 0.0
+    d_values[56] = 0.0
+    d_values[57] = 0.0
+    d_values[58] = 0.0
+    d_values[59] = 0.0
+    d_values[60] = 0.0
+    d_values[61] = 0.0
+    d_values[62] = 0.0
+    d_values[63] = 0.0
+    d_values[64] = 0.0
+    d_values[65] = 0.0
+    d_values[66] = 0.0
+    d_values[67] = 0.0
+    d_values[68] = 0.0
+    d_values[69] = 0.0
     y_u = d12*t66 + d13*t62 + d14*t58 + d15*t54 + d16*t50 + d21*t139 + d22*t127 + d23*t123 + d24*t119 + d25*t115 + d32*t136 + d33*t134 + d34*t131 + d42*t135 + d43*t132 + d52*t133 + e3*t90 + t105*t228 + t118*t234 + t122*t235 + t126*t236 + t130*t237 + t137 + t229*t52 + t230*t56 + t231*t60 + t232*t64 + t233*t68
     y_v = d12*t139 + d13*t159 + d14*t155 + d15*t151 + d16*t146 + d21*t68 + d22*t160 + d23*t136 + d24*t166 + d25*t162 + d31*t64 + d34*t132 + d41*t60 + d51*t56 + d61*t52 + focal_px - t104 + t106 + t149*t243 + t153*t244 + t157*t245 + t164*t246 + t168*t247 + t238*t50 + t239*t54 + t240*t58 + t241*t62 + t242*t66 - 4*t9
-    d_values[1, 0] = -e1*t170 + e2*t169 + e3*t171 - 4*e4*t172*t45 + t172*t248 + t174*t249 + t174*t250 + t177*t251 + t177*t252 + t177*t261 + t177*t262 + t180*t253 + t180*t254 + t180*t263 + t180*t264 + t180*t276 + t180*t277 + t183*t255 + t183*t256 + t183*t265 + t183*t266 + t183*t278 + t186*t257 + t186*t258 + t186*t267 + t189*t259 + t189*t260 + t189*t269 + t189*t270 + t189*t271 + t189*t272 + t211*t273 + t211*t274 + t211*t275 + t223*t268 + v
-    d_values[1, 1] = 0.0
-    d_values[1, 2] = 1.0
-    d_values[1, 3] = e1*focal_px*t5*v - e3*t224 + 4*e4*t39*t45*t6 - t0*t222 - t174*t251 - t174*t252 - t174*t261 - t174*t262 - t177*t253 - t177*t254 - t177*t263 - t177*t264 - t177*t276 - t177*t277 - t180*t255 - t180*t256 - t180*t265 - t180*t266 - t180*t278 - t183*t257 - t183*t258 - t183*t267 - t183*t268*v - t186*t248 - t225*t249 - t225*t250 - t226*t259 - t226*t260 - t226*t269 - t226*t270 - t226*t271 - t226*t272 - t227*t273 - t227*t274 - t227*t275
-    d_values[1, 4] = -t4
-    d_values[1, 5] = t2
-    d_values[1, 6] = t91
-    d_values[1, 7] = -t92
-    d_values[1, 8] = 0.0
-    d_values[1, 9] = t48
-    d_values[1, 10] = 0.0
-    d_values[1, 11] = 0.0
-    d_values[1, 12] = 0.0
-    d_values[1, 13] = 0.0
-    d_values[1, 14] = 0.0
-    d_values[1, 15] = 0.0
-    d_values[1, 16] = 0.0
-    d_values[1, 17] = 0.0
-    d_values[1, 18] = 0.0
-    d_values[1, 19] = 0.0
-    d_values[1, 20] = 0.0
-    d_values[1, 21] = 0.0
-    d_values[1, 22] = 0.0
-    d_values[1, 23] = 0.0
-    d_values[1, 24] = 0.0
-    d_values[1, 25] = 0.0
-    d_values[1, 26] = 0.0
-    d_values[1, 27] = 0.0
-    d_values[1, 28] = 0.0
-    d_values[1, 29] = 0.0
-    d_values[1, 30] = 0.0
-    d_values[1, 31] = 0.0
-    d_values[1, 32] = 0.0
-    d_values[1, 33] = 0.0
-    d_values[1, 34] = 0.0
-    d_values[1, 35] = 0.0
-    d_values[1, 36] = 0.0
-    d_values[1, 37] = 0.0
-    d_values[1, 38] = 0.0
-    d_values[1, 39] = 0.0
-    d_values[1, 40] = t44
-    d_values[1, 41] = t102
-    d_values[1, 42] = t101
-    d_values[1, 43] = t42
-    d_values[1, 44] = t37
-    d_values[1, 45] = t100
-    d_values[1, 46] = t89
-    d_values[1, 47] = t99
-    d_values[1, 48] = t35
-    d_values[1, 49] = t30
-    d_values[1, 50] = t98
-    d_values[1, 51] = t87
-    d_values[1, 52] = t85
-    d_values[1, 53] = t97
-    d_values[1, 54] = t28
-    d_values[1, 55] = t23
-    d_values[1, 56] = t96
-    d_values[1, 57] = t83
-    d_values[1, 58] = t81
-    d_values[1, 59] = t79
-    d_values[1, 60] = t95
-    d_values[1, 61] = t21
-    d_values[1, 62] = t16
-    d_values[1, 63] = t94
-    d_values[1, 64] = t77
-    d_values[1, 65] = t75
-    d_values[1, 66] = t73
-    d_values[1, 67] = t71
-    d_values[1, 68] = t93
-    d_values[1, 69] = t14
-    d_point[0, 0] = x_u * u_x + x_v * v_x
-    d_point[0, 1] = x_u * u_y + x_v * v_y
-    d_point[0, 2] = x_u * u_z + x_v * v_z
-    d_point[1, 0] = y_u * u_x + y_v * v_x
-    d_point[1, 1] = y_u * u_y + y_v * v_y
-    d_point[1, 2] = y_u * u_z + y_v * v_z
-    return True
-
-
-@cfunc(SIGNATURE, cache=True, error_model="numpy")
-def entry(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
-) -> int:
-    """Call `kernel` from compiled code by address; see `graphos_core.cameras.entry`."""
-    return int(
-        kernel(
-            carray(values, (70,)),
-            x,
-            y,
-            z,
-            carray(pixel, (2,)),
-            carray(d_point, (2, 3)),
-            carray(d_values, (2, row)),
-        )
-    )
+    d_values[row + 0] = -e1*t170 + e2*t169 + e3*t171 - 4*e4*t172*t45 + t172*t248 + t174*t249 + t174*t250 + t177*t251 + t177*t252 + t177*t261 + t177*t262 + t180*t253 + t180*t254 + t180*t263 + t180*t264 + t180*t276 + t180*t277 + t183*t255 + t183*t256 + t183*t265 + t183*t266 + t183*t278 + t186*t257 + t186*t258 + t186*t267 + t189*t259 + t189*t260 + t189*t269 + t189*t270 + t189*t271 + t189*t272 + t211*t273 + t211*t274 + t211*t275 + t223*t268 + v
+    d_values[row + 1] = 0.0
+    d_values[row + 2] = 1.0
+    d_values[row + 3] = e1*focal_px*t5*v - e3*t224 + 4*e4*t39*t45*t6 - t0*t222 - t174*t251 - t174*t252 - t174*t261 - t174*t262 - t177*t253 - t177*t254 - t177*t263 - t177*t264 - t177*t276 - t177*t277 - t180*t255 - t180*t256 - t180*t265 - t180*t266 - t180*t278 - t183*t257 - t183*t258 - t183*t267 - t183*t268*v - t186*t248 - t225*t249 - t225*t250 - t226*t259 - t226*t260 - t226*t269 - t226*t270 - t226*t271 - t226*t272 - t227*t273 - t227*t274 - t227*t275
+    d_values[row + 4] = -t4
+    d_values[row + 5] = t2
+    d_values[row + 6] = t91
+    d_values[row + 7] = -t92
+    d_values[row + 8] = 0.0
+    d_values[row + 9] = t48
+    d_values[row + 10] = 0.0
+    d_values[row + 11] = 0.0
+    d_values[row + 12] = 0.0
+    d_values[row + 13] = 0.0
+    d_values[row + 14] = 0.0
+    d_values[row + 15] = 0.0
+    d_values[row + 16] = 0.0
+    d_values[row + 17] = 0.0
+    d_values[row + 18] = 0.0
+    d_values[row + 19] = 0.0
+    d_values[row + 20] = 0.0
+    d_values[row + 21] = 0.0
+    d_values[row + 22] = 0.0
+    d_values[row + 23] = 0.0
+    d_values[row + 24] = 0.0
+    d_values[row + 25] = 0.0
+    d_values[row + 26] = 0.0
+    d_values[row + 27] = 0.0
+    d_values[row + 28] = 0.0
+    d_values[row + 29] = 0.0
+    d_values[row + 30] = 0.0
+    d_values[row + 31] = 0.0
+    d_values[row + 32] = 0.0
+    d_values[row + 33] = 0.0
+    d_values[row + 34] = 0.0
+    d_values[row + 35] = 0.0
+    d_values[row + 36] = 0.0
+    d_values[row + 37] = 0.0
+    d_values[row + 38] = 0.0
+    d_values[row + 39] = 0.0
+    d_values[row + 40] = t44
+    d_values[row + 41] = t102
+    d_values[row + 42] = t101
+    d_values[row + 43] = t42
+    d_values[row + 44] = t37
+    d_values[row + 45] = t100
+    d_values[row + 46] = t89
+    d_values[row + 47] = t99
+    d_values[row + 48] = t35
+    d_values[row + 49] = t30
+    d_values[row + 50] = t98
+    d_values[row + 51] = t87
+    d_values[row + 52] = t85
+    d_values[row + 53] = t97
+    d_values[row + 54] = t28
+    d_values[row + 55] = t23
+    d_values[row + 56] = t96
+    d_values[row + 57] = t83
+    d_values[row + 58] = t81
+    d_values[row + 59] = t79
+    d_values[row + 60] = t95
+    d_values[row + 61] = t21
+    d_values[row + 62] = t16
+    d_values[row + 63] = t94
+    d_values[row + 64] = t77
+    d_values[row + 65] = t75
+    d_values[row + 66] = t73
+    d_values[row + 67] = t71
+    d_values[row + 68] = t93
+    d_values[row + 69] = t14
+    d_point[0] = x_u * u_x + x_v * v_x
+    d_point[1] = x_u * u_y + x_v * v_y
+    d_point[2] = x_u * u_z + x_v * v_z
+    d_point[3] = y_u * u_x + y_v * v_x
+    d_point[4] = y_u * u_y + y_v * v_y
+    d_point[5] = y_u * u_z + y_v * v_z
+    return 1

@@ -3,19 +3,19 @@
 Written by `graphos_core.cameras.generator` with SymPy 1.14.0 from `graphos_core.cameras.radial`: do not edit.
 """
 
-from numba import carray, cfunc, njit
+from numba import cfunc
 
 from graphos_core.cameras.entry import SIGNATURE
 from graphos_core.data.record import Array
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def kernel(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
-) -> bool:
-    """Project one point with derivatives; see `graphos_core.cameras.model`."""
+@cfunc(SIGNATURE, cache=True, error_model="numpy")
+def entry(
+    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
+) -> int:
+    """Project one point with derivatives; see `graphos_core.cameras.entry`."""
     if z <= 0.0:
-        return False
+        return 0
     s0 = (1.0 / z)
     s1 = (1.0 / (z*z))
     u = s0*x
@@ -64,46 +64,28 @@ def kernel(
     pixel[1] = focal_px*t10 + y0
     x_u = focal_px*(t0*t11 + t13*t14 + t15)
     x_v = focal_px*(t14*t18 + t16)
-    d_values[0, 0] = t9
-    d_values[0, 1] = 1.0
-    d_values[0, 2] = 0.0
-    d_values[0, 3] = focal_px*t14
-    d_values[0, 4] = t19*t20
-    d_values[0, 5] = t20*t21
-    d_values[0, 6] = t20*t22
-    d_values[0, 7] = t20*t23
+    d_values[0] = t9
+    d_values[1] = 1.0
+    d_values[2] = 0.0
+    d_values[3] = focal_px*t14
+    d_values[4] = t19*t20
+    d_values[5] = t20*t21
+    d_values[6] = t20*t22
+    d_values[7] = t20*t23
     y_u = focal_px*(t13*t24 + t16)
     y_v = focal_px*(t1*t11 + t15 + t18*t24)
-    d_values[1, 0] = t10
-    d_values[1, 1] = 0.0
-    d_values[1, 2] = 1.0
-    d_values[1, 3] = focal_px*t24
-    d_values[1, 4] = t19*t25
-    d_values[1, 5] = t21*t25
-    d_values[1, 6] = t22*t25
-    d_values[1, 7] = t23*t25
-    d_point[0, 0] = x_u * u_x + x_v * v_x
-    d_point[0, 1] = x_u * u_y + x_v * v_y
-    d_point[0, 2] = x_u * u_z + x_v * v_z
-    d_point[1, 0] = y_u * u_x + y_v * v_x
-    d_point[1, 1] = y_u * u_y + y_v * v_y
-    d_point[1, 2] = y_u * u_z + y_v * v_z
-    return True
-
-
-@cfunc(SIGNATURE, cache=True, error_model="numpy")
-def entry(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
-) -> int:
-    """Call `kernel` from compiled code by address; see `graphos_core.cameras.entry`."""
-    return int(
-        kernel(
-            carray(values, (8,)),
-            x,
-            y,
-            z,
-            carray(pixel, (2,)),
-            carray(d_point, (2, 3)),
-            carray(d_values, (2, row)),
-        )
-    )
+    d_values[row + 0] = t10
+    d_values[row + 1] = 0.0
+    d_values[row + 2] = 1.0
+    d_values[row + 3] = focal_px*t24
+    d_values[row + 4] = t19*t25
+    d_values[row + 5] = t21*t25
+    d_values[row + 6] = t22*t25
+    d_values[row + 7] = t23*t25
+    d_point[0] = x_u * u_x + x_v * v_x
+    d_point[1] = x_u * u_y + x_v * v_y
+    d_point[2] = x_u * u_z + x_v * v_z
+    d_point[3] = y_u * u_x + y_v * v_x
+    d_point[4] = y_u * u_y + y_v * v_y
+    d_point[5] = y_u * u_z + y_v * v_z
+    return 1

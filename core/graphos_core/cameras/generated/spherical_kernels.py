@@ -5,19 +5,19 @@ Written by `graphos_core.cameras.generator` with SymPy 1.14.0 from `graphos_core
 
 from math import atan2, sqrt
 
-from numba import carray, cfunc, njit
+from numba import cfunc
 
 from graphos_core.cameras.entry import SIGNATURE
 from graphos_core.data.record import Array
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def kernel(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array
-) -> bool:
-    """Project one point with derivatives; see `graphos_core.cameras.model`."""
+@cfunc(SIGNATURE, cache=True, error_model="numpy")
+def entry(
+    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
+) -> int:
+    """Project one point with derivatives; see `graphos_core.cameras.entry`."""
     if x == 0.0 and z == 0.0:
-        return False
+        return 0
     s0 = (x*x) + (z*z)
     s1 = sqrt(s0)
     s2 = (1.0 / s0)
@@ -38,36 +38,18 @@ def kernel(
     pixel[1] = focal_px*v + y0
     x_u = focal_px
     x_v = 0.0
-    d_values[0, 0] = u
-    d_values[0, 1] = 1.0
-    d_values[0, 2] = 0.0
+    d_values[0] = u
+    d_values[1] = 1.0
+    d_values[2] = 0.0
     y_u = 0.0
     y_v = focal_px
-    d_values[1, 0] = v
-    d_values[1, 1] = 0.0
-    d_values[1, 2] = 1.0
-    d_point[0, 0] = x_u * u_x + x_v * v_x
-    d_point[0, 1] = x_u * u_y + x_v * v_y
-    d_point[0, 2] = x_u * u_z + x_v * v_z
-    d_point[1, 0] = y_u * u_x + y_v * v_x
-    d_point[1, 1] = y_u * u_y + y_v * v_y
-    d_point[1, 2] = y_u * u_z + y_v * v_z
-    return True
-
-
-@cfunc(SIGNATURE, cache=True, error_model="numpy")
-def entry(
-    values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
-) -> int:
-    """Call `kernel` from compiled code by address; see `graphos_core.cameras.entry`."""
-    return int(
-        kernel(
-            carray(values, (3,)),
-            x,
-            y,
-            z,
-            carray(pixel, (2,)),
-            carray(d_point, (2, 3)),
-            carray(d_values, (2, row)),
-        )
-    )
+    d_values[row + 0] = v
+    d_values[row + 1] = 0.0
+    d_values[row + 2] = 1.0
+    d_point[0] = x_u * u_x + x_v * v_x
+    d_point[1] = x_u * u_y + x_v * v_y
+    d_point[2] = x_u * u_z + x_v * v_z
+    d_point[3] = y_u * u_x + y_v * v_x
+    d_point[4] = y_u * u_y + y_v * v_y
+    d_point[5] = y_u * u_z + y_v * v_z
+    return 1
