@@ -17,7 +17,7 @@ In the text ``$…$`` is a formula, and three directives stand for what the prog
 
 - ``{{preprocessing.wallis.window}}``: default of a parameter with its unit; with ``.range`` its range;
 - ``:::parameters preprocessing.wallis``: table of the parameters;
-- ``:::picture adjustment/intersection PRESET``: the scene of a simulator, drawn by the engine;
+- ``:::picture adjustment/intersection PRESET`` or ``… a_x=-3 b_x=3``: the scene of a simulator, drawn by the engine;
 - ``:::camera fraser``: formula, direction and parameters of a camera model.
 
 What there is to try are parameters of the algorithm; in a lesson without one, those of its simulator.
@@ -33,7 +33,7 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
-from graphos_core.cameras import camera_model
+from graphos_core.cameras.model import Parameter, camera_model
 from graphos_core.errors import UserError
 from graphos_core.params import Declaration, Params, unknown_name
 from graphos_core.registry import STAGES, find
@@ -98,7 +98,8 @@ class Lesson:
         Parameters
         ----------
         picture : callable
-            ``picture(simulator, preset)`` returns the address of the picture for the Markdown.
+            ``picture(simulator, what)`` returns the address of the picture for the Markdown; `what` is read by
+            `Simulator.described`.
         """
 
         def block(found: re.Match[str]) -> str:
@@ -108,8 +109,7 @@ class Lesson:
             if found[1] == "camera":
                 return camera_table(words[0])
             if found[1] == "picture":
-                preset = words[1] if len(words) > 1 else ""
-                return f"![{self.title}]({picture(words[0], preset)})"
+                return f"![{self.title}]({picture(words[0], ','.join(words[1:]))})"
             raise UserError(
                 Text("The lesson {name} has an unknown directive “{word}”.", name=self.name, word=found[1])
             )
@@ -182,18 +182,45 @@ def parameter_table(stage: str, name: str) -> str:
 def camera_table(name: str) -> str:
     """Return formula, direction and parameters of a camera model in Markdown, made from its declaration."""
     model = camera_model(name)
-    lines = [f"$${line}$$" for line in model.formula.splitlines() if line.strip()]
-    lines += [
-        "",
-        f"Direction: {model.direction}.",
-        "",
-        "| parameter | symbol | unit | part |",
-        "|---|---|---|---|",
-    ]
-    for parameter in model.parameters:
-        unit = parameter.unit or "none"
-        lines.append(f"| {parameter.label} | ${parameter.symbol}$ | {unit} | {parameter.group} |")
-    return "\n".join([*lines, "", f"*Source: {model.source}.*"])
+    lines = [part for formula in model.formula.split(r",\quad ") for part in (f"$${formula.strip()}$$", "")]
+    lines += [f"Direction: {model.direction}.", ""]
+    lines += ["| parameter | symbol | unit | in self-calibration |", "|---|---|---|---|"]
+    for alike in _alike(model.parameters):
+        first, last = alike[0], alike[-1]
+        label, symbol = first.label, f"${first.symbol}$"
+        if len(alike) > 1:
+            label, symbol = f"{first.label} to {last.label}", f"${first.symbol}$ … ${last.symbol}$"
+        lines.append(f"| {label} | {symbol} | {first.unit or '–'} | {_handled(first)} |")
+    return "\n".join([*lines, "", *(f"- {sentence}" for sentence in model.dependences)])
+
+
+def _alike(parameters: tuple[Parameter, ...]) -> list[list[Parameter]]:
+    """Return neighbours of one group that are handled alike together, where a model has many of them."""
+    groups: list[list[Parameter]] = []
+    many = len(parameters) > 14
+    for parameter in parameters:
+        last = groups[-1][-1] if groups else None
+        if (
+            many
+            and last
+            and (last.group, last.default) == (parameter.group, parameter.default)
+            and last.group == "polynomial"
+        ):
+            groups[-1].append(parameter)
+        else:
+            groups.append([parameter])
+    return groups
+
+
+def _handled(parameter: Parameter) -> str:
+    """Return what a self-calibration does with a parameter unless told otherwise, and why."""
+    words = {
+        "free": "estimated",
+        "fixed": "held fixed",
+        "constant": "not estimated",
+        "prior": "estimated with a prior",
+    }
+    return f"{words[parameter.default]}. {parameter.reason}" if parameter.reason else words[parameter.default]
 
 
 def trial_sheet(lesson: Lesson) -> type[Params] | None:

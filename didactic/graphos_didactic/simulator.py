@@ -193,6 +193,25 @@ class Simulator:
                 return self.params.from_dict(candidate.values)
         raise UserError(unknown_name(name, [p.name for p in self.presets], "preset"))
 
+    def described(self, text: str) -> Params:
+        """Return the parameters that a text names: a preset, values such as ``fold=0,count=20``, or nothing.
+
+        Raises
+        ------
+        UserError
+            For an unknown preset, an unknown name, or a value out of its declaration.
+        """
+        if "=" not in text:
+            return self.preset(text) if text else self.params()
+        declarations = self.params.declarations()
+        values: dict[str, Any] = {}
+        for part in text.split(","):
+            name, _, value = part.partition("=")
+            if name not in declarations:
+                raise UserError(unknown_name(name, declarations, "parameter"))
+            values[name] = declarations[name].parse(value)
+        return self.params.from_dict(values)
+
 
 _declared: dict[str, Simulator] = {}
 

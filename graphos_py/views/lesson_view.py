@@ -109,7 +109,7 @@ class LessonView(QTextBrowser):
         self.show_markdown(lesson.markdown(lambda simulator, preset: f"picture:{simulator}#{preset}"))
 
     def show_markdown(self, text: str) -> None:
-        """Show a text; ``picture:ROOM/NAME#PRESET`` is the picture of a simulator."""
+        """Show a text; ``picture:ROOM/NAME#PRESET`` is the picture of a simulator, see `Simulator.described`."""
         self._markdown = text
         self._scenes.clear()
         self._draw()
@@ -209,7 +209,7 @@ class LessonView(QTextBrowser):
                 run.check()
                 key, _, preset = address.partition(":")[2].partition("#")
                 simulator = find_simulator(key)
-                found[address] = simulator.scene(simulator.preset(preset) if preset else simulator.params())
+                found[address] = simulator.scene(simulator.described(preset))
                 scene_svg(found[address])  # sets the formulas here, so that the window need not wait for them
             return found
 

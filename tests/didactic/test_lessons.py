@@ -12,12 +12,14 @@ import pytest
 
 import graphos_core
 import graphos_didactic
-from graphos_core.errors import UserError
+from graphos_core.cameras.model import camera_models
+from graphos_core.errors import GraphosError, UserError
 from graphos_core.registry import STAGES, algorithms, find
 from graphos_didactic.explain import explain_algorithm, explain_parameter, lesson_about
 from graphos_didactic.lessons import (
     NUMBER,
     Lesson,
+    camera_table,
     find_lesson,
     lessons,
     parameter_table,
@@ -76,9 +78,7 @@ def test_a_lesson_has_what_a_lesson_needs(name: str) -> None:
 @pytest.mark.parametrize("name", ALL)
 def test_every_directive_of_a_lesson_is_known(name: str) -> None:
     def picture(simulator: str, preset: str) -> str:
-        found = find_simulator(simulator)
-        if preset:
-            found.preset(preset)
+        find_simulator(simulator).described(preset)
         return "picture"
 
     text = find_lesson(name).markdown(picture)
@@ -170,3 +170,42 @@ def test_an_explanation_offers_only_what_fits_the_algorithm() -> None:
             for trial in explain_parameter(algorithm, name).trials:
                 assert name in trial.values
                 algorithm.params.from_dict(trial.values)
+
+
+def test_a_parameter_set_of_a_picture_is_read_and_a_wrong_one_refused() -> None:
+    simulator = find_simulator("adjustment/coplanarity")
+    assert simulator.described("fold=0,count=20") == simulator.params.from_dict({"fold": 0.0, "count": 20})
+    assert simulator.described("") == simulator.params()
+    assert simulator.described("flat") == simulator.preset("flat")
+    for wrong in ("fold=99", "foold=1", "flatt"):
+        with pytest.raises(GraphosError):
+            simulator.described(wrong)
+
+
+@pytest.mark.parametrize("name", sorted(camera_models()))
+def test_the_table_of_a_camera_model_names_every_kind_of_parameter_and_can_be_set(name: str) -> None:
+    model = camera_models()[name]
+    table = camera_table(name)
+    assert model.direction in table
+    parser = matplotlib.mathtext.MathTextParser("path")
+    inside = re.findall(r"\$\$(.+?)\$\$|(?<!\$)\$([^$\n]+)\$(?!\$)", table)
+    assert len(inside) >= len(model.formula.split(r",\quad ")) + 3
+    for formula in inside:
+        parser.parse(f"${(formula[0] or formula[1]).strip()}$")
+    assert f"${model.parameters[-1].symbol}$" in table
+
+
+def test_every_kind_of_camera_model_has_a_lesson_with_its_table() -> None:
+    told = {found for lesson in lessons().values() for found in re.findall(r":::camera (\w+)", lesson.text)}
+    kinds = {
+        "pinhole",
+        "basic",
+        "radial",
+        "brown",
+        "complete",
+        "ebner",
+        "polynomial3",
+        "fisheye_equisolid",
+        "spherical",
+    }
+    assert kinds <= told
