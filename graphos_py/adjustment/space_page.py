@@ -84,7 +84,7 @@ class SpacePage(QWidget):
         self.figures.activated.connect(self._colour)
         bar.addWidget(self.figures)
         self.ellipsoids, self.residuals = (
-            _Exaggeration(tr("Error ellipsoids")),
+            _Exaggeration(tr("Ellipsoids")),
             _Exaggeration(tr("Residuals")),
         )
         self.ellipsoids.setToolTip(
