@@ -7,6 +7,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QComboBox, QInputDialog, QLabel, QSplitter, QTabWidget, QVBoxLayout, QWidget
 
 from graphos_core.cameras.model import camera_model
+from graphos_core.cameras.profile import balanced_profile, radial_profile
 from graphos_core.data import Adjustment, Camera
 from graphos_core.number_format import format_value
 from graphos_core.params import Level
@@ -14,6 +15,7 @@ from graphos_py.adjustment.camera_tiles import CameraTiles
 from graphos_py.adjustment.correlation_view import CorrelationView
 from graphos_py.adjustment.page import ResultPage
 from graphos_py.adjustment.parameter_table import ParameterTable
+from graphos_py.adjustment.special_plots import ProfilePlot
 from graphos_py.session import Session
 from graphos_py.translation import tr
 
@@ -51,7 +53,13 @@ class CalibrationPage(ResultPage):
                 column.addWidget(widget, int(widget in (self.table, self.correlations)))
         self.pictures = QTabWidget()
         self.pictures.setDocumentMode(True)
+        self.profile = ProfilePlot()
+        self.profile.set_empty_text(
+            tr("Distortion over the radius, with its confidence band"),
+            tr("Run the adjustment with a calibration."),
+        )
         self.pictures.addTab(right, tr("Correlations"))
+        self.pictures.addTab(self.profile, tr("Distortion"))
         self.splitter = QSplitter(Qt.Orientation.Horizontal)
         self.splitter.addWidget(left)
         self.splitter.addWidget(self.pictures)
@@ -74,6 +82,7 @@ class CalibrationPage(ResultPage):
             self.table.setRowCount(0)
             self.said.setText(tr("Run the adjustment to see every parameter with its standard deviation."))
             self.correlations.set_matrix([], [], np.zeros((0, 0)))
+            self.profile.clear()
             self.cameras.hide()
             return
         cameras = self.result.adjustment.block.cameras
@@ -92,6 +101,15 @@ class CalibrationPage(ResultPage):
         self.table.set_level(self._level)
         self.said.setText(camera_sentence(camera))
         self._show_correlations(adjustment, camera, index)
+        covariance = (
+            None if adjustment.covariance is None else np.asarray(adjustment.covariance.cameras[index])
+        )
+        balanced = balanced_profile(camera, covariance)
+        focal = format_value(balanced.focal_px, unit="px", digits=6)
+        self.profile.show_profiles({
+            tr("Gaussian, 95 % band"): radial_profile(camera, covariance),
+            tr("balanced, f = {focal}", focal=focal): balanced,
+        })  # fmt: skip
 
     def _show_correlations(self, adjustment: Adjustment, camera: Camera, index: int) -> None:
         parameters = camera_model(camera.model).parameters

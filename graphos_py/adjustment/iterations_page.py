@@ -123,7 +123,8 @@ class IterationsPage(ResultPage):
         self.said.setText(step_sentence(self.records, self.now))
         self.table.select_rows([self.now])
         numbers = np.arange(len(self.records), dtype=float)
-        shown = {tr(label): self._column(key, self.now) for key, label in _SERIES.items()}
+        series = {tr(label): self._column(key, self.now) for key, label in _SERIES.items()}
+        shown = {label: values for label, values in series.items() if np.isfinite(values).any()}
         self.plot.show_lines(
             numbers,
             shown,

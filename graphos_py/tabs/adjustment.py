@@ -27,9 +27,11 @@ class AdjustmentTab(StageTab):
     def make_views(self) -> None:
         """Make all pages; each fills itself when it is seen."""
         from graphos_py.adjustment.calibration_page import CalibrationPage
+        from graphos_py.adjustment.comparison_page import ComparisonPage
         from graphos_py.adjustment.findings_page import FindingsPage
         from graphos_py.adjustment.iterations_page import IterationsPage
         from graphos_py.adjustment.photos_page import PhotosPage
+        from graphos_py.adjustment.reliability_page import ReliabilityPage
         from graphos_py.adjustment.residuals_page import ResidualsPage
         from graphos_py.adjustment.space_page import SpacePage
         from graphos_py.control.page import ControlPage
@@ -44,9 +46,12 @@ class AdjustmentTab(StageTab):
         self.calibration = CalibrationPage(self.session)
         self.photos = PhotosPage()
         self.residuals = ResidualsPage(self.session)
+        self.reliability = ReliabilityPage(self.session)
         self.iterations = IterationsPage()
+        self.comparison = ComparisonPage(self.session)
         self.pages: list[ResultPage] = [
-            self.findings, self.calibration, self.photos, self.residuals, self.iterations
+            self.findings, self.calibration, self.photos, self.residuals, self.reliability, self.iterations,
+            self.comparison,
         ]  # fmt: skip
         self.add_view(self.space, "3D")
         self.add_view(self.control, "Control")

@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from PySide6.QtCore import QPointF, Qt
+from PySide6.QtCore import QPointF, Qt, QUrl
 from PySide6.QtWidgets import QLabel, QPushButton
 
+from graphos_core.cameras.profile import radial_profile
+from graphos_core.compare_runs import ComparedRun, compare
 from graphos_core.recipe import Recipe
 from graphos_py.adjustment.calibration_page import CalibrationPage
 from graphos_py.adjustment.camera_tiles import bundle_sheet
+from graphos_py.adjustment.comparison_page import ComparisonPage
 from graphos_py.adjustment.findings_page import FindingsPage, group_columns
 from graphos_py.adjustment.iterations_page import IterationsPage
 from graphos_py.adjustment.parameter_table import TEST, VALUE
 from graphos_py.adjustment.photos_page import PhotosPage
+from graphos_py.adjustment.reliability_page import ReliabilityPage
 from graphos_py.adjustment.residuals_page import ResidualsPage
 from graphos_py.adjustment.space_page import SpacePage
+from graphos_py.adjustment.special_plots import QuantilePlot
 from graphos_py.loading import load_engine
+from graphos_py.project_tree import PastRun
 from graphos_py.session import Session
 
 
@@ -36,7 +44,15 @@ def shown(qtbot, page):
 
 
 def test_every_page_can_be_seen_without_a_result(qtbot, session) -> None:
-    pages = (FindingsPage(), CalibrationPage(session), PhotosPage(), ResidualsPage(session), IterationsPage())
+    pages = (
+        FindingsPage(),
+        CalibrationPage(session),
+        PhotosPage(),
+        ResidualsPage(session),
+        ReliabilityPage(session),
+        IterationsPage(),
+        ComparisonPage(session),
+    )
     for page in pages:
         shown(qtbot, page).show_result(None)
         for level in ("novice", "student", "expert"):
@@ -141,3 +157,61 @@ def test_space_draws_ellipsoids_residuals_and_rays(qtbot, result) -> None:
         page.cloud.add_measure_point(9)
         page.take.click()
     assert heard.args == [3, 9]
+
+
+def test_suspects_stand_in_order_and_the_blunder_leads(qtbot, session, result) -> None:
+    page = shown(qtbot, ReliabilityPage(session))
+    page.show_result(result)
+    block = result.adjustment.block
+    w = np.abs([row["w"] for row in page.rows])
+    assert np.all(np.diff(w) <= 1e-9) and w[0] > 10
+    assert page.rows[0]["photo"] == block.names[block.obs_photo[40]]
+    assert page._observation(page.rows[0]) == 40
+    found = result.adjustment.reliability
+    assert f"{int((np.abs(found.standardised) > found.critical).sum())} of " in page.said.text()
+
+
+def test_profile_and_quantile_plots_show_what_the_engine_computes(qtbot, session, result) -> None:
+    page = shown(qtbot, CalibrationPage(session))
+    page.set_level("expert")
+    page.show_result(result)
+    page.pictures.setCurrentWidget(page.profile)
+    page.profile.draw_now()
+    rows = np.array(page.profile.rows(), dtype=float)
+    camera, covariance = result.adjustment.block.cameras[0], result.adjustment.covariance.cameras[0]
+    expected = radial_profile(camera, covariance)
+    assert np.allclose(rows[:, 1], expected.displacement_px) and np.allclose(rows[:, 2], expected.sigma_px)
+    plot = shown(qtbot, QuantilePlot())
+    values = np.random.default_rng(0).standard_normal(20000)
+    plot.show_quantiles(values, "τ")
+    plot.draw_now()
+    shown_rows = np.array(plot.rows(), dtype=float)
+    assert len(shown_rows) <= 4000 and np.isclose(shown_rows[-1, 1], values.max())
+    middle = np.abs(shown_rows[:, 0]) < 2
+    assert np.abs(shown_rows[middle, 0] - shown_rows[middle, 1]).max() < 0.1
+
+
+def test_two_stored_results_are_compared(qtbot, session, result, tmp_path, monkeypatch) -> None:
+    page = shown(qtbot, ComparisonPage(session))
+    other = replace(result, adjustment=replace(result.adjustment, rms_px=2 * result.adjustment.rms_px))
+    runs = [
+        PastRun("adjustment", "georeference", key, f"2026-01-0{i}T10:00", f"run {key}", 1.0, 1, i == 2)
+        for i, key in ((2, "new"), (1, "old"))
+    ]
+    page._listed(runs[:1])
+    assert not page.button.isEnabled() and "one result" in page.text.toPlainText()
+    page._listed(runs)
+    assert "run old" in page.choices[0].currentText() and "run new" in page.choices[1].currentText()
+    sides = [
+        ComparedRun(label, found.adjustment, found.georeference, recipe)
+        for label, found, recipe in (
+            ("first", result, Recipe.default()),
+            ("second", other, Recipe.default().set("adjustment.schur.robust=cauchy")),
+        )
+    ]
+    page._compared(compare(*sides))
+    text = page.text.toPlainText()
+    assert "AIC" in text and "BIC" in text and "cauchy" in text and "second" in text
+    with qtbot.waitSignal(page.lesson) as heard:
+        page._link(QUrl("lesson:adjustment/comparing-runs"))
+    assert heard.args == ["adjustment/comparing-runs"]
