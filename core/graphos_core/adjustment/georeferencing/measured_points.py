@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,7 +58,7 @@ def intersect_measured(
     xyz, found, photos = np.full((count, 3), np.nan), np.zeros(count, dtype=bool), np.zeros(count, dtype=int)
     if control is None or measured is None or not len(measured.point):
         return MeasuredPoints(xyz, found, photos)
-    photo = _photo_indices(block, measured, run)
+    photo = _known_photos(block, measured, run)
     parts = []
     for index in np.unique(photo[photo >= 0]):
         mine = np.flatnonzero(photo == index)
@@ -80,14 +81,20 @@ def intersect_measured(
     return MeasuredPoints(xyz, found, photos)
 
 
-def _photo_indices(block: Block, measured: ControlObservations, run: Run) -> Array:
-    """Index of the photo of each measurement, by its name or, where unique, its file name; −1 where unknown."""
+def photo_indices(block: Block, names: Sequence[str]) -> Array:
+    """Return the index of each photo, by its name or, where unique, its file name; −1 where unknown."""
     index: dict[str, int] = {}
     for i, name in enumerate(block.names):
         short = name.rsplit("/", 1)[-1].casefold()
         index[short] = -1 if short in index else i
     exact = {name: i for i, name in enumerate(block.names)}
-    found = np.array([exact.get(n, index.get(n.rsplit("/", 1)[-1].casefold(), -1)) for n in measured.photo])
+    found = [exact.get(n, index.get(n.rsplit("/", 1)[-1].casefold(), -1)) for n in names]
+    return np.array(found, dtype=np.int64)
+
+
+def _known_photos(block: Block, measured: ControlObservations, run: Run) -> Array:
+    """Return the photo of each measurement, and tell those that are not in the project."""
+    found = photo_indices(block, measured.photo)
     unknown = sorted({n for n, i in zip(measured.photo, found, strict=True) if i < 0})
     if unknown:
         run.warn(

@@ -1,4 +1,4 @@
-"""Georeferencing by a similarity: the adjusted block keeps its shape and is moved, turned and scaled to metres."""
+"""Absolute orientation: the oriented block keeps its shape and is moved, turned and scaled to metres."""
 
 from __future__ import annotations
 
@@ -7,17 +7,20 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from graphos_core.adjustment.georeferencing.measured_points import MeasuredPoints, intersect_measured
-from graphos_core.data import Adjustment, Array, Control, ControlObservations, Georeference, KnownDistance
+from graphos_core.adjustment.georeferencing.level import levelled
+from graphos_core.adjustment.georeferencing.measured_points import (
+    MeasuredPoints,
+    intersect_measured,
+    photo_indices,
+)
+from graphos_core.adjustment.georeferencing.suspicions import name_suspicions
+from graphos_core.data import Array, Block, Control, Georeference, Known, KnownDistance
 from graphos_core.errors import UserError
 from graphos_core.geometry.similarity import Similarity, estimate_similarity
 from graphos_core.params import About, Params
 from graphos_core.registry import algorithm
 from graphos_core.run import Run
 from graphos_core.text import Text
-
-OUTLIER = 5.0
-"""A control point that misses by more than this many times the point RMS of the others is named."""
 
 ON_LINE = 1e-3
 """Control points whose second extent is less than this share of the first lie on one line."""
@@ -27,14 +30,16 @@ class SimilarityParams(Params):
     """Parameters of the similarity."""
 
     use: Annotated[
-        Literal["auto", "control points", "known distance", "nothing"],
+        Literal["auto", "control points", "projection centres", "known distance", "nothing"],
         About(
             label="Place by",
             help="What gives the block its scale and place.",
-            effect="Control points give place, direction and scale; a known distance gives the scale only.",
+            effect="Control points and positions of photos give place, direction and scale; a known distance the scale "
+            "only; a plane or axes the direction.",
             choices={
                 "auto": "Whatever is there, control points first",
                 "control points": "Control points",
+                "projection centres": "Positions of photos (GNSS)",
                 "known distance": "Known distance",
                 "nothing": "Nothing: stay in model units",
             },
@@ -76,79 +81,73 @@ class SimilarityParams(Params):
     role="georeferencing",
     name="similarity",
     label="Similarity",
+    version=2,
     source="Umeyama 1991; Kraus 2007, Photogrammetry, section 4.1 (absolute orientation)",
     learn="adjustment/georeferencing",
 )
 def place_by_similarity(
-    adjustment: Adjustment,
-    control: Control | None,
-    measured: ControlObservations | None,
-    distance: KnownDistance | None,
-    params: SimilarityParams,
-    *,
-    run: Run,
-) -> tuple[Adjustment, Georeference]:
-    """Place the block by three or more control points, or scale it by one known distance.
+    block: Block, known: Known, params: SimilarityParams, *, run: Run
+) -> tuple[Block, Georeference]:
+    """Place the block by control points, by positions of photos, or level and scale it.
 
     Control points measured in two oriented photos or more are intersected; the similarity has the least sum of
-    squared residuals over the control points, all with equal weight. Check points never take part. Without control
-    points and distance the block stays as it is, in model units.
+    squared residuals over the control points, all with equal weight. Without three of them positions of three photos
+    serve alike; without those, planes and axes turn the block and a known distance scales it. Check points never take
+    part. What is known enters the bundle adjustment afterwards with its standard deviations; this step only gives it
+    a start in the right place.
 
     Raises
     ------
     UserError
-        With fewer than three usable control points, or control points on one line.
+        With fewer than three usable control points and nothing else, or control points on one line.
     """
-    block = adjustment.block
+    control = known.control
     by_control = control is not None and params.use in ("auto", "control points")
-    by_distance = distance is not None and params.use in ("auto", "known distance")
+    by_centres = known.centres is not None and params.use in ("auto", "projection centres")
+    distances = tuple(d for d in known.distances if not d.check)
+    by_distance = bool(distances) and params.use in ("auto", "known distance")
     points = intersect_measured(
-        block, control, measured, threshold_px=params.measurement_px,
+        block, control, known.measured, threshold_px=params.measurement_px,
         min_angle=float(np.radians(params.min_angle_deg)), run=run,
     )  # fmt: skip
     if by_control and control is not None:
-        given = np.asarray(np.isfinite(control.xyz).all(axis=1))
+        given = np.asarray(np.isfinite(control.xyz).all(axis=1)) & ~_off(control)
         usable = points.found & given & ~control.check
         if usable.sum() >= 3:
-            return _by_control(adjustment, control, points, usable, run)
-        if not by_distance and (given & ~control.check).any():
+            return _by_control(block, control, points, usable, run)
+        if not (by_distance or by_centres) and (given & ~control.check).any():
             raise _too_few(control, points, given)
-    if by_distance and distance is not None:
-        return _by_distance(adjustment, control, points, distance)
-    return adjustment, _georeference("none", Similarity(1.0, np.eye(3), np.zeros(3)), control)
+    if by_centres:
+        placed = _by_centres(block, known, points, run)
+        if placed is not None:
+            return placed
+    if params.use in ("auto", "known distance"):
+        return _levelled_and_scaled(block, known, points, distances, run)
+    return block, _georeference("none", NOTHING, control)
 
 
-def transform_adjustment(adjustment: Adjustment, world_from_model: Similarity, how: str) -> Adjustment:
-    """Return the adjustment moved into metres.
+NOTHING = Similarity(1.0, np.eye(3), np.zeros(3))
+"""Leaves everything where it is."""
 
-    Standard deviations are scaled and turned as if the three coordinates of a point were uncorrelated:
-    ``σ'² = s² (R ∘ R) σ²``, with the elementwise square of the rotation. They stay relative to the datum of the
-    adjustment: the uncertainty of the control points is not in them.
-    """
-    block, turn = adjustment.block, world_from_model.rotation**2
 
-    def spread(sigmas: Array) -> Array:
-        return world_from_model.scale * np.sqrt(sigmas**2 @ turn.T)
-
+def transform_block(block: Block, b_from_a: Similarity, unit: str) -> Block:
+    """Return the block moved by a similarity."""
     oriented = np.asarray(block.oriented)
     rotations, centres = block.rotations.copy(), block.centres.copy()
-    rotations[oriented] = world_from_model.rotate_camera(block.rotations[oriented])
-    centres[oriented] = world_from_model.apply(block.centres[oriented])
-    moved = replace(
-        block, rotations=rotations, centres=centres, points=world_from_model.apply(block.points), unit="m"
-    )
+    rotations[oriented] = b_from_a.rotate_camera(block.rotations[oriented])
+    centres[oriented] = b_from_a.apply(block.centres[oriented])
     return replace(
-        adjustment,
-        block=moved,
-        sigma_centres=spread(adjustment.sigma_centres),
-        sigma_points=spread(adjustment.sigma_points),
-        datum=Text("{datum}; then placed by {how}", datum=adjustment.datum, how=how),
+        block, rotations=rotations, centres=centres, points=b_from_a.apply(block.points), unit=unit
     )
+
+
+def _off(control: Control) -> Array:
+    return np.zeros(len(control.names), dtype=bool) if control.off is None else np.asarray(control.off)
 
 
 def _by_control(
-    adjustment: Adjustment, control: Control, points: MeasuredPoints, usable: Array, run: Run
-) -> tuple[Adjustment, Georeference]:
+    block: Block, control: Control, points: MeasuredPoints, usable: Array, run: Run
+) -> tuple[Block, Georeference]:
     spread = np.linalg.svd(control.xyz[usable] - control.xyz[usable].mean(axis=0), compute_uv=False)
     if spread[1] < ON_LINE * spread[0]:
         raise UserError(
@@ -159,70 +158,80 @@ def _by_control(
         )
     world_from_model = estimate_similarity(points.xyz[usable], control.xyz[usable])
     result = _georeference("control points", world_from_model, control, points)
-    _name_suspect(np.array(control.names)[usable].tolist(), points.xyz[usable], control.xyz[usable], run)
-    count = int(usable.sum())
-    run.say(
-        Text("Placed by {count} control points, {rms:.4g} m per coordinate.", count=count, rms=result.rms_m)
+    names = np.array(control.names)[usable].tolist()
+    name_suspicions(names, points.xyz[usable], control.xyz[usable], run)
+    run.say(Text("Placed by {count} control points, {rms:.4g} m per coordinate.", count=int(usable.sum()),
+                 rms=result.rms_m))  # fmt: skip
+    return transform_block(block, world_from_model, "m"), result
+
+
+def _by_centres(
+    block: Block, known: Known, points: MeasuredPoints, run: Run
+) -> tuple[Block, Georeference] | None:
+    """Place the block by the positions of three photos or more; None where there are too few, or all on one line."""
+    if known.centres is None:
+        return None
+    photo = photo_indices(block, known.centres.photo)
+    use = np.flatnonzero(photo >= 0)
+    use = use[np.asarray(block.oriented)[photo[use]]]
+    given = known.centres.xyz[use]
+    if len(use) >= 3:
+        spread = np.linalg.svd(given - given.mean(axis=0), compute_uv=False)
+        if spread[1] > 1e-2 * spread[0]:
+            world_from_model = estimate_similarity(block.centres[photo[use]], given)
+            rest = world_from_model.apply(block.centres[photo[use]]) - given
+            run.say(Text("Placed by the positions of {count} photos, {rms:.3g} m per coordinate.", count=len(use),
+                         rms=_rms(rest)))  # fmt: skip
+            reference = _georeference("projection centres", world_from_model, known.control, points)
+            return transform_block(block, world_from_model, "m"), reference
+    run.warn(Text("The positions of the photos do not place the block: {count} of them are oriented, and three that "
+                  "do not lie on one line are needed.", count=len(use)))  # fmt: skip
+    return None
+
+
+def _levelled_and_scaled(
+    block: Block, known: Known, points: MeasuredPoints, distances: tuple[KnownDistance, ...], run: Run
+) -> tuple[Block, Georeference]:
+    turn = levelled(block, known, points, run)
+    method, unit = "none" if turn is None else "planes and axes", block.unit
+    world_from_model = NOTHING if turn is None else turn
+    if distances:
+        ratios = [_ratio(block, known.control, points, distance) for distance in distances]
+        scale = float(np.median(ratios))
+        world_from_model = Similarity(scale, world_from_model.rotation, scale * world_from_model.translation)
+        method, unit = "known distance", "m"
+    if method == "none":
+        return block, _georeference("none", NOTHING, known.control)
+    return transform_block(block, world_from_model, unit), _georeference(
+        method, world_from_model, known.control
     )
-    how = Text("a similarity on {count} control points", count=count)
-    return transform_adjustment(adjustment, world_from_model, how), result
 
 
-def _name_suspect(names: list[str], model: Array, world: Array, run: Run) -> None:
-    """Warn of the control point without which the others fit much better, if it misses them by far."""
-    if len(names) < 5:
-        return  # too little is left over to tell a wrong point from bad luck
-    found = []
-    for i in range(len(names)):
-        others = np.delete(np.arange(len(names)), i)
-        without = estimate_similarity(model[others], world[others])
-        rest = without.apply(model) - world
-        found.append((_rms(rest[others]), float(np.linalg.norm(rest[i])), names[i]))
-    others_rms, miss, name = min(found)
-    if miss > max(OUTLIER * np.sqrt(3.0) * others_rms, 1e-9):
-        run.warn(
-            Text(
-                "Control point {name} misses by {miss:.3g} m a similarity that fits the others to {rms:.2g} m per "
-                "coordinate: its coordinates or measurements may be wrong.",
-                name=name,
-                miss=miss,
-                rms=others_rms,
-            )
-        )
-
-
-def _by_distance(
-    adjustment: Adjustment, control: Control | None, points: MeasuredPoints, distance: KnownDistance
-) -> tuple[Adjustment, Georeference]:
-    a, b = (_position(name, adjustment, control, points, distance) for name in (distance.a, distance.b))
+def _ratio(block: Block, control: Control | None, points: MeasuredPoints, distance: KnownDistance) -> float:
+    """Return metres per model unit by one distance."""
+    a, b = (_position(name, block, control, points, distance) for name in (distance.a, distance.b))
     length = float(np.linalg.norm(a - b))
     if not (np.isfinite(distance.metres) and distance.metres > 0 and length > 0):
         raise UserError(
             "The known distance gives no scale.",
             Text(
                 "Between {a} and {b} it is {metres:g} m, in the model {length:g} units.",
-                a=distance.a,
-                b=distance.b,
-                metres=distance.metres,
-                length=length,
+                a=distance.a, b=distance.b, metres=distance.metres, length=length,
             ),
             "Give two different points and a distance above zero.",
             learn="adjustment/georeferencing",
-        )
-    scaling = Similarity(distance.metres / length, np.eye(3), np.zeros(3))
-    how = Text("the distance from {a} to {b}", a=distance.a, b=distance.b)
-    return transform_adjustment(adjustment, scaling, how), _georeference("known distance", scaling, control)
+        )  # fmt: skip
+    return distance.metres / length
 
 
 def _position(
     name: str,
-    adjustment: Adjustment,
+    block: Block,
     control: Control | None,
     points: MeasuredPoints,
     distance: KnownDistance,
 ) -> Array:
     """Position of a measured point, or of the projection centre of a photo, in model units."""
-    block = adjustment.block
     if control is not None and name in control.names and points.found[control.names.index(name)]:
         return points.xyz[control.names.index(name)]
     if name in block.names and block.oriented[block.names.index(name)]:
@@ -242,7 +251,7 @@ def _georeference(
     names: tuple[str, ...] = ()
     check, residuals = np.zeros(0, dtype=bool), np.zeros((0, 3))
     if control is not None and points is not None:
-        shown = np.flatnonzero(points.found & np.isfinite(control.xyz).all(axis=1))
+        shown = np.flatnonzero(points.found & np.isfinite(control.xyz).all(axis=1) & ~_off(control))
         names = tuple(control.names[i] for i in shown)
         check = control.check[shown]
         residuals = similarity.apply(points.xyz[shown]) - control.xyz[shown]
