@@ -26,11 +26,14 @@ class MeasuredPoints:
         Whether two rays or more from oriented photos intersect there.
     photos : int (n,)
         Oriented photos in which the point is measured.
+    left_out : bool (m,)
+        Measurements that do not fit the others of their point, or have no ray.
     """
 
     xyz: Array
     found: Array
     photos: Array
+    left_out: Array
 
 
 def intersect_measured(
@@ -57,7 +60,7 @@ def intersect_measured(
     count = 0 if control is None else len(control.names)
     xyz, found, photos = np.full((count, 3), np.nan), np.zeros(count, dtype=bool), np.zeros(count, dtype=int)
     if control is None or measured is None or not len(measured.point):
-        return MeasuredPoints(xyz, found, photos)
+        return MeasuredPoints(xyz, found, photos, np.zeros(0, dtype=bool))
     photo = _known_photos(block, measured, run)
     parts = []
     for index in np.unique(photo[photo >= 0]):
@@ -77,8 +80,11 @@ def intersect_measured(
     )  # fmt: skip
     good = ids[result.ok]
     xyz[good], found[good] = result.points[result.ok], True
-    _tell_misfits(control, measured, use, np.repeat(result.ok, sizes) & ~result.used, run)
-    return MeasuredPoints(xyz, found, photos)
+    misfit = np.repeat(result.ok, sizes) & ~result.used
+    _tell_misfits(control, measured, use, misfit, run)
+    left_out = np.ones(len(measured.point), dtype=bool)
+    left_out[use[~misfit]] = False
+    return MeasuredPoints(xyz, found, photos, left_out)
 
 
 def photo_indices(block: Block, names: Sequence[str]) -> Array:
