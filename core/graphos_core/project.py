@@ -9,10 +9,11 @@ from typing import Any
 
 from graphos_core import __version__
 from graphos_core.cameras.lens import with_lens
-from graphos_core.data import Control, ControlObservations, KnownDistance, PhotoSet
+from graphos_core.data import Control, ControlObservations, Known, KnownDistance, PhotoSet
 from graphos_core.errors import UserError
 from graphos_core.project_file import (
     FILE,
+    KNOWN,
     Settings,
     check_settings,
     copy_calibration,
@@ -223,9 +224,13 @@ class Project:
             own = (KnownDistance(a=a, b=b, metres=metres),)
         return (*own, *read_distances(self.folder / TABLE))
 
-    def known_distance(self) -> KnownDistance | None:
-        """Return the first known distance that gives the scale, if any."""
-        return next((distance for distance in self.known_distances() if not distance.check), None)
+    def known(self) -> Known:
+        """Return everything known about the object: control points, distances, positions of photos, shapes, rigs."""
+        from graphos_core.exchange.known import read_known
+
+        control, measured = self.control()
+        first = Known(control=control, measured=measured, distances=self.known_distances())
+        return read_known(self.folder / KNOWN, first, self.photo_set)
 
     def reference_path(self) -> Path | None:
         """Return the path of the reference cloud or mesh, if any."""

@@ -21,6 +21,8 @@ from graphos_core.text import Text
 
 SCHEMA = 1
 FILE = "project.toml"
+KNOWN = "known.toml"
+"""What is known of the object beside control points, see `graphos_core.exchange.known`."""
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
-from graphos_core.data import Adjustment, Cloud, DepthMap, Features, Georeference, PairMatches, Tracks, record
+from graphos_core.data import (
+    Adjustment,
+    Block,
+    Cloud,
+    DepthMap,
+    Features,
+    Georeference,
+    PairMatches,
+    Tracks,
+    record,
+)
 from graphos_core.errors import ItemFailure
 from graphos_core.roles import ComparisonResult
 
@@ -44,8 +54,16 @@ class FeaturesResult:
 
 
 @record
+class PlacedBlock:
+    """The oriented block in the frame of what is known, before the adjustment."""
+
+    block: Block
+    georeference: Georeference
+
+
+@record
 class AdjustmentResult:
-    """The adjusted and, where control is known, georeferenced block."""
+    """The adjusted block, and how it lies in the frame of what is known."""
 
     adjustment: Adjustment
     georeference: Georeference

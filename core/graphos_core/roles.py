@@ -14,8 +14,8 @@ features                  matcher                `Matcher`, one pair: candidate 
 features                  verification           `Verification`, one pair: verified matches
 features                  tracks                 `TrackBuilder`, all pairs
 adjustment                orientation            `Orientation`, tracks to oriented block
-adjustment                bundle                 `BundleAdjustment`, block to adjusted block
-adjustment                georeferencing         `Georeferencing`, adjusted block to the object frame
+adjustment                georeferencing         `Georeferencing`, oriented block to the object frame
+adjustment                bundle                 `BundleAdjustment`, block and what is known to adjusted block
 dense                     depth                  `DepthEstimation`, adjusted block and photos to depth maps
 dense                     fusion                 `Fusion`, depth maps to cloud
 quality                   registration           `Registration`, cloud to reference
@@ -34,12 +34,10 @@ from graphos_core.data import (
     Block,
     Camera,
     Cloud,
-    Control,
-    ControlObservations,
     DepthMap,
     Features,
     Georeference,
-    KnownDistance,
+    Known,
     Mesh,
     PairMatches,
     PhotoSet,
@@ -124,25 +122,18 @@ class Orientation(Protocol):
     ) -> Block: ...
 
 
-class BundleAdjustment(Protocol):
-    """Block to adjusted block with statistics."""
-
-    def __call__(self, block: Block, params: Any, *, run: Run) -> Adjustment: ...
-
-
 class Georeferencing(Protocol):
-    """Adjusted block and what is known in object space to the block in metres; unchanged when nothing is known."""
+    """Oriented block and what is known of the object to the block in its frame; unchanged when nothing is known."""
 
     def __call__(
-        self,
-        adjustment: Adjustment,
-        control: Control | None,
-        measured: ControlObservations | None,
-        distance: KnownDistance | None,
-        params: Any,
-        *,
-        run: Run,
-    ) -> tuple[Adjustment, Georeference]: ...
+        self, block: Block, known: Known, params: Any, *, run: Run
+    ) -> tuple[Block, Georeference]: ...
+
+
+class BundleAdjustment(Protocol):
+    """Block and what is known of the object to adjusted block with statistics."""
+
+    def __call__(self, block: Block, known: Known, params: Any, *, run: Run) -> Adjustment: ...
 
 
 class DepthEstimation(Protocol):

@@ -21,7 +21,7 @@ from graphos_core.images import read_pixels
 from graphos_core.number_format import format_value
 from graphos_core.preprocessing.chain import apply_filters
 from graphos_core.preprocessing.grey import eight_bit
-from graphos_core.project_file import inside
+from graphos_core.project_file import KNOWN, inside
 from graphos_core.registry import Stage
 from graphos_core.run import Run, each
 from graphos_core.store import cannot_write
@@ -141,21 +141,27 @@ def _orientation(pipeline: Pipeline, folder: Path, run: Run) -> Block:
     return block
 
 
-def _adjustment(pipeline: Pipeline, folder: Path, run: Run) -> Any:
-    algorithm, params = pipeline.recipe.algorithm("adjustment", "bundle")
-    return algorithm.function(pipeline.value("orientation"), params, run=run)
-
-
 def _georeference(pipeline: Pipeline, folder: Path, run: Run) -> Any:
-    from graphos_core.results import AdjustmentResult
+    from graphos_core.results import PlacedBlock
 
     algorithm, params = pipeline.recipe.algorithm("adjustment", "georeferencing")
-    control, measured = pipeline.project.control()
-    distance = pipeline.project.known_distance()
-    placed, georeference = algorithm.function(
-        pipeline.value("adjustment"), control, measured, distance, params, run=run
+    block, georeference = algorithm.function(
+        pipeline.value("orientation"), pipeline.project.known(), params, run=run
     )
-    return AdjustmentResult(adjustment=placed, georeference=georeference)
+    return PlacedBlock(block=block, georeference=georeference)
+
+
+def _adjustment(pipeline: Pipeline, folder: Path, run: Run) -> Any:
+    from graphos_core.adjustment.georeferencing.similarity import placed_again
+    from graphos_core.results import AdjustmentResult
+
+    algorithm, params = pipeline.recipe.algorithm("adjustment", "bundle")
+    known = pipeline.project.known()
+    placed = pipeline.value("georeference")
+    adjusted = algorithm.function(placed.block, known, params, run=run)
+    return AdjustmentResult(
+        adjustment=adjusted, georeference=placed_again(adjusted, placed.georeference, known)
+    )
 
 
 def _known(pipeline: Pipeline) -> Any:
@@ -164,6 +170,9 @@ def _known(pipeline: Pipeline) -> Any:
     pattern = "control*" if settings.control else "control_distances*"
     for path in sorted(pipeline.project.folder.glob(pattern)):
         digests.append([path.name, file_digest(path)])
+    extra = pipeline.project.folder / KNOWN
+    if extra.is_file():
+        digests.append([KNOWN, file_digest(extra)])
     return {"control": digests, "distance": settings.distance}
 
 
@@ -174,13 +183,13 @@ def block_reader(photos: PhotoSet) -> Callable[[int], Array]:
 
 def _depth(pipeline: Pipeline, folder: Path, run: Run) -> Any:
     algorithm, params = pipeline.recipe.algorithm("dense", "depth")
-    block = pipeline.value("georeference").adjustment.block
+    block = pipeline.value("adjustment").adjustment.block
     return tuple(algorithm.function(block, block_reader(pipeline.photos), params, run=run))
 
 
 def _cloud(pipeline: Pipeline, folder: Path, run: Run) -> Cloud:
     algorithm, params = pipeline.recipe.algorithm("dense", "fusion")
-    block = pipeline.value("georeference").adjustment.block
+    block = pipeline.value("adjustment").adjustment.block
     cloud: Cloud = algorithm.function(
         block, pipeline.value("depth"), block_reader(pipeline.photos), params, run=run
     )
@@ -243,10 +252,10 @@ STEPS: dict[str, Step] = {
              _cameras),
         Step("orientation", "adjustment", "matches", ("orientation",), _orientation,
              lambda v: Text("{n} of {total} photos oriented", n=int(v.oriented.sum()), total=len(v.names))),
-        Step("adjustment", "adjustment", "orientation", ("bundle",), _adjustment,
-             lambda v: Text("σ0 {s:.2f} px", s=v.sigma0_px)),
-        Step("georeference", "adjustment", "adjustment", ("georeferencing",), _georeference, _adjustment_line, _known),
-        Step("depth", "dense", "georeference", ("depth",), _depth, lambda v: Text("{n} depth maps", n=_count(len(v)))),
+        Step("georeference", "adjustment", "orientation", ("georeferencing",), _georeference,
+             lambda v: Text("placed by {method}", method=v.georeference.method), _known),
+        Step("adjustment", "adjustment", "georeference", ("bundle",), _adjustment, _adjustment_line),
+        Step("depth", "dense", "adjustment", ("depth",), _depth, lambda v: Text("{n} depth maps", n=_count(len(v)))),
         Step("cloud", "dense", "depth", ("fusion",), _cloud, lambda v: Text("{n} points", n=_count(len(v.points)))),
         Step("quality", "quality", "cloud", ("registration", "comparison"), _quality,
              lambda v: Text("{n} points compared", n=_count(len(v.comparison.distances))) if v.comparison

@@ -33,7 +33,7 @@ def assess(pipeline: Any, run: Run) -> QualityResult:
         When the reference cannot be read or registered.
     Stopped
     """
-    oriented = pipeline.value("georeference")
+    oriented = pipeline.value("adjustment")
     cloud: Cloud = pipeline.value("cloud")
     run.progress(0, 3, "quality figures")
     figures = internal_figures(oriented.adjustment, cloud, pipeline.value("matches").pairs)

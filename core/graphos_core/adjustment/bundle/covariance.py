@@ -14,8 +14,9 @@ from scipy.linalg import lapack
 
 from graphos_core.adjustment.bundle import datum, statistics_kernels
 from graphos_core.adjustment.bundle.kernels import Scene
+from graphos_core.adjustment.bundle.rank import datum_findings, defects
 from graphos_core.adjustment.bundle.reduced_system import ReducedSystem
-from graphos_core.data import Array
+from graphos_core.data import Array, Finding
 
 SMALLEST_PIVOT = 1e-13
 """Relative pivot of the scaled reduced matrix below which an unknown counts as undetermined."""
@@ -39,6 +40,8 @@ class Cofactors:
         Whether more than the datum was undetermined; a pseudo-inverse was then taken.
     null : float64 (u, d)
         The free motions, see `graphos_core.adjustment.bundle.datum.gauge`.
+    findings : tuple of Finding
+        What is undetermined, in words.
     redundancy, effect : float64 (m, 2) or None
         Of the observations in the order of the solver, see `graphos_core.adjustment.bundle.statistics_kernels`.
     """
@@ -49,6 +52,7 @@ class Cofactors:
     datum: str
     singular: bool
     null: Array
+    findings: tuple[Finding, ...] = ()
     redundancy: Array | None = None
     effect: Array | None = None
 
@@ -73,7 +77,8 @@ def cofactors(
     equations = system.build(scene, 0.0)
     null = datum.gauge(problem, scene)
     held = datum.constraints(problem, scene, null, kind)
-    reduced, singular = _inverse(equations.matrix, null, held)
+    reduced, defective = _inverse(equations.matrix, null, held)
+    findings = defects(problem, defective, SMALLEST_PIVOT) if defective is not None else ()
     points = np.zeros((len(scene.points), 3, 3))
     m = len(problem.layout.photo) if delta0 >= 0.0 else 0
     redundancy, effect = np.zeros((m, 2)), np.zeros((m, 2))
@@ -94,16 +99,20 @@ def cofactors(
     system.each_chunk(one)
     defect = null.shape[1]
     return Cofactors(
-        reduced, points, defect, datum.describe(problem, defect, kind), singular, null,
+        reduced, points, defect, datum.describe(problem, defect, kind), defective is not None, null,
+        (*findings, *datum_findings(null, scene, problem)),
         redundancy if m else None, effect if m else None,
     )  # fmt: skip
 
 
-def _inverse(matrix: Array, null: Array, held: Array) -> tuple[Array, bool]:
-    """Invert the reduced matrix (upper triangle) under the conditions ``heldᵀ x = 0``; scaled to unit diagonal first."""
+def _inverse(matrix: Array, null: Array, held: Array) -> tuple[Array, Array | None]:
+    """Invert the reduced matrix (upper triangle) under the conditions ``heldᵀ x = 0``; scaled to unit diagonal first.
+
+    Returns the inverse and, where the matrix is singular all the same, the scaled matrix with its conditions.
+    """
     u = len(matrix)
     if u == 0:
-        return np.zeros((0, 0)), False
+        return np.zeros((0, 0)), None
     scale = np.sqrt(np.maximum(matrix.diagonal(), 0.0))
     scale[scale == 0.0] = 1.0
     scaled = np.triu(matrix) / scale[:, None] / scale
@@ -111,8 +120,8 @@ def _inverse(matrix: Array, null: Array, held: Array) -> tuple[Array, bool]:
     motion = null * scale[:, None]
     regular = scaled + np.triu(constraints @ constraints.T)
     factor, info = lapack.dpotrf(regular.T, lower=1, clean=0)
-    singular = bool(info != 0 or np.any(factor.diagonal() ** 2 < SMALLEST_PIVOT))
-    if singular:
+    full = None
+    if info != 0 or np.any(factor.diagonal() ** 2 < SMALLEST_PIVOT):
         full = regular + np.triu(regular, 1).T
         inverse = np.linalg.pinv(full, rcond=SMALLEST_PIVOT, hermitian=True)
     else:
@@ -121,4 +130,4 @@ def _inverse(matrix: Array, null: Array, held: Array) -> tuple[Array, bool]:
     if null.shape[1]:
         left = np.linalg.solve((constraints.T @ motion).T, motion.T).T
         inverse -= left @ left.T
-    return inverse / scale[:, None] / scale, singular
+    return inverse / scale[:, None] / scale, full

@@ -88,7 +88,7 @@ def outcome(
         iterations=solution.iterations, converged=solution.converged, stop_reason=solution.reason,
         groups=_groups(problem, misfit, sigma, others, found, checked, levels), covariance=covariance,
         reliability=checked, global_test=global_test(squares, redundancy, 0.05),
-        extras=_extras(problem, scene.extra, found, sigma0),
+        extras=_extras(problem, scene.extra, found, sigma0), findings=() if found is None else found.findings,
     )  # fmt: skip
 
 

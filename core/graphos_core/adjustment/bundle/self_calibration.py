@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Collection
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 
-from graphos_core.cameras import camera_model
-from graphos_core.data import Block, Camera
+from graphos_core.adjustment.bundle.known.photos import CameraValues
+from graphos_core.cameras import camera_model, pixel_from_ray, ray_from_pixel
+from graphos_core.cameras.upgrade import as_model
+from graphos_core.data import Array, Block, Camera
+from graphos_core.errors import UserError
+from graphos_core.params import unknown_name
 from graphos_core.run import Run
 from graphos_core.text import Text
 
@@ -32,25 +37,64 @@ class Switches(Protocol):
     @property
     def principal_point(self) -> str: ...
     @property
-    def free_k1(self) -> bool: ...
-    @property
-    def free_k2(self) -> bool: ...
+    def parameters(self) -> str: ...
+
+
+@dataclass(frozen=True)
+class Calibrated:
+    """What a self-calibration estimates.
+
+    Attributes
+    ----------
+    interior : tuple of tuple of str
+        Free parameters of each camera, as `Freedom.interior` wants them.
+    priors : tuple of (int, str, float)
+        Camera, parameter and standard deviation of its start value.
+    """
+
+    interior: tuple[tuple[str, ...], ...]
+    priors: tuple[tuple[int, str, float], ...] = ()
+
+    def prior_group(self, block: Block) -> tuple[CameraValues, ...]:
+        """Return the start values as observations."""
+        if not self.priors:
+            return ()
+        camera = np.array([c for c, _, _ in self.priors])
+        place = [camera_model(block.cameras[c].model).index(name) for c, name, _ in self.priors]
+        return (CameraValues(
+            camera=camera, parameter=np.array(place),
+            observed=np.array([block.cameras[c].values[i] for c, i in zip(camera, place, strict=True)]),
+            sigma=np.array([sigma for _, _, sigma in self.priors]),
+            labels=[f"{block.cameras[c].label or f'Camera {c + 1}'}: {name}" for c, name, _ in self.priors],
+        ),)  # fmt: skip
+
+    def only(self, interior: tuple[tuple[str, ...], ...]) -> Calibrated:
+        """Return it with the parameters `interior` free and no others."""
+        free = {(c, name) for c, names in enumerate(interior) for name in names}
+        return Calibrated(interior, tuple(prior for prior in self.priors if prior[:2] in free))
+
+    def without(self, frozen: Collection[tuple[int, str]]) -> Calibrated:
+        """Return it with some parameters (camera, name) held fixed."""
+        return Calibrated(
+            tuple(tuple(n for n in names if (c, n) not in frozen) for c, names in enumerate(self.interior)),
+            tuple(prior for prior in self.priors if prior[:2] not in frozen),
+        )
 
 
 def prepare(block: Block, calibration: str, *, per_photo: bool = False) -> Block:
-    """Return the block with cameras that have the parameters `calibration` asks for.
+    """Return the block with cameras that have the model `calibration` asks for.
 
     Parameters
     ----------
     block : Block
-    calibration : {"fixed", "basic"}
-        With ``"basic"`` a distortion-free camera becomes a basic one with zero distortion.
+    calibration : str
+        ``"fixed"`` and ``"as it is"`` leave every camera its model; else the name of a model, with hyphens.
     per_photo : bool
         Whether every photo gets a camera of its own.
     """
     cameras = list(block.cameras)
-    if calibration == "basic":
-        cameras = [_as_basic(camera) for camera in cameras]
+    if calibration not in ("fixed", "as it is"):
+        cameras = [as_model(camera, calibration.replace("-", "_")) for camera in cameras]
     of_photo = np.asarray(block.camera_of_photo)
     if per_photo and calibration != "fixed":
         cameras = [
@@ -61,30 +105,93 @@ def prepare(block: Block, calibration: str, *, per_photo: bool = False) -> Block
     return replace(block, cameras=tuple(cameras), camera_of_photo=of_photo)
 
 
-def _as_basic(camera: Camera) -> Camera:
-    if camera.model != "pinhole":
-        return camera
-    return replace(camera, model="basic", values=np.concatenate([camera.values, [0.0, 0.0]]), sigmas=None)
+def free_parameters(block: Block, switches: Switches, run: Run) -> Calibrated:
+    """Return which parameters of each camera are free, and with which prior.
 
+    What a model says of its parameters holds unless the settings say otherwise; single parameters have the last word.
 
-def free_parameters(block: Block, switches: Switches, run: Run) -> tuple[tuple[str, ...], ...]:
-    """Return the names of the free parameters of each camera, as `Freedom.interior` wants them."""
-    if switches.calibration == "fixed":
-        return tuple(() for _ in block.cameras)
-    free = []
+    Raises
+    ------
+    UserError
+        When a single parameter does not exist, or its setting cannot be read.
+    """
+    single = read_settings(switches.parameters, block)
+    interior, priors = [], []
     for c, camera in enumerate(block.cameras):
         point = switches.principal_point == "free"
-        if switches.principal_point == "automatic":
+        free: list[str] = []
+        if switches.calibration != "fixed" and switches.principal_point == "automatic":
             point = largest_roll(block, c) >= ROLL
-            if not point and _used(block, c):
+            if not point and _used(block, c) and "x0" not in single.get(c, {}):
                 run.say(Text(
                     "{camera}: the principal point is held fixed; to determine it, take some photos rolled by 90°.",
                     camera=camera.label or f"Camera {c + 1}"))  # fmt: skip
-        wanted = {
-            "focal_px": switches.free_focal, "x0": point, "y0": point, "k1": switches.free_k1, "k2": switches.free_k2,
-        }  # fmt: skip
-        free.append(tuple(name for name in camera_model(camera.model).names if wanted.get(name, False)))
-    return tuple(free)
+        for parameter in camera_model(camera.model).parameters:
+            how: str | float = parameter.default
+            if parameter.name == "focal_px" and not switches.free_focal:
+                how = "fixed"
+            elif parameter.name in ("x0", "y0"):
+                how = how if point else "fixed"
+            how = single.get(c, {}).get(parameter.name, "fixed" if switches.calibration == "fixed" else how)
+            if how == "prior":
+                how = parameter.prior_sigma or 0.0
+            if isinstance(how, float):
+                priors.append((c, parameter.name, how))
+            if isinstance(how, float) or how == "free":
+                free.append(parameter.name)
+        interior.append(tuple(free))
+    return Calibrated(tuple(interior), tuple(priors))
+
+
+def read_settings(text: str, block: Block) -> dict[int, dict[str, str | float]]:
+    """Read settings of single parameters: ``"k2=fixed, 2.k1=free, p1=0.001"``.
+
+    Returns
+    -------
+    dict
+        For each camera, what becomes of some of its parameters: ``"fixed"``, ``"free"``, or a standard deviation.
+
+    Raises
+    ------
+    UserError
+    """
+    out: dict[int, dict[str, str | float]] = {}
+    for item in filter(None, (part.strip() for part in text.replace(";", ",").split(","))):
+        left, equals, right = (part.strip() for part in item.partition("="))
+        number, dot, name = left.rpartition(".")
+        if not equals or (dot and not number.isdigit()):
+            raise _bad_setting(item)
+        cameras = [int(number) - 1] if dot else range(len(block.cameras))
+        known = [c for c in cameras if 0 <= c < len(block.cameras)
+                 and name in camera_model(block.cameras[c].model).names]  # fmt: skip
+        if not known:
+            names = camera_model(block.cameras[0].model).names
+            raise UserError(
+                unknown_name(left, list(names), "camera parameter"), learn="adjustment/self-calibration"
+            )
+        for c in known:
+            out.setdefault(c, {})[name] = _setting(item, right)
+    return out
+
+
+def _setting(item: str, text: str) -> str | float:
+    if text in ("fixed", "free"):
+        return text
+    try:
+        sigma = float(text)
+    except ValueError:
+        sigma = np.nan
+    if not (np.isfinite(sigma) and sigma > 0):
+        raise _bad_setting(item)
+    return sigma
+
+
+def _bad_setting(item: str) -> UserError:
+    return UserError(
+        Text("“{item}” is not a setting of a camera parameter.", item=item[:40]),
+        todo="Write NAME=fixed, NAME=free or NAME=standard deviation, separated by commas.",
+        learn="adjustment/self-calibration",
+    )
 
 
 def _used(block: Block, camera: int) -> bool:
@@ -110,16 +217,36 @@ def largest_roll(block: Block, camera: int) -> float:
 
 
 def corner_effect_px(camera: Camera) -> dict[str, float]:
-    """Return, for each parameter, how far one standard deviation moves the corner of the photo, px.
+    """Return, for each parameter, how far one standard deviation moves an image point at the edge of the photo, px.
 
-    Only the first-order effect of the parameter itself, whatever the other unknowns do about it.
+    The largest of the four corners and the four middles of the sides that have an image; only the first-order effect
+    of the parameter itself, whatever the other unknowns do about it.
     """
     if camera.sigmas is None:
         return {}
-    r = 0.5 * float(np.hypot(camera.width, camera.height)) / camera.focal_px
-    slopes = {"focal_px": r, "x0": 1.0, "y0": 1.0, "k1": camera.focal_px * r**3, "k2": camera.focal_px * r**5}
-    names = camera_model(camera.model).names
-    return {name: slopes.get(name, 0.0) * float(s) for name, s in zip(names, camera.sigmas, strict=True)}
+    x, y = camera.width - 1.0, camera.height - 1.0
+    edge = np.array([[0, 0], [x, 0], [0, y], [x, y], [x / 2, 0], [x / 2, y], [0, y / 2], [x, y / 2]])
+    rays = ray_from_pixel(camera, edge)
+    rays = rays[np.isfinite(rays).all(axis=1)]
+    return {
+        parameter.name: _moved(camera, rays, i, float(camera.sigmas[i]))
+        for i, parameter in enumerate(camera_model(camera.model).parameters)
+    }
+
+
+def _moved(camera: Camera, rays: Array, index: int, sigma: float) -> float:
+    if sigma == 0.0 or not len(rays):
+        return 0.0
+    if not np.isfinite(sigma):
+        return np.inf
+    step = 1e-4 * max(abs(float(camera.values[index])), 1.0)
+    pixels = []
+    for side in (-step, step):
+        values = np.array(camera.values)
+        values[index] += side
+        pixels.append(pixel_from_ray(replace(camera, values=values), rays))
+    slope = np.linalg.norm(pixels[1] - pixels[0], axis=1) / (2.0 * step)
+    return float(np.nanmax(slope, initial=0.0) * sigma)
 
 
 def warn_of_weak_parameters(block: Block, run: Run) -> None:
@@ -128,8 +255,9 @@ def warn_of_weak_parameters(block: Block, run: Run) -> None:
     for c in used:
         camera = block.cameras[c]
         limit = WEAK_SHARE * 0.5 * float(np.hypot(camera.width, camera.height))
+        effects = corner_effect_px(camera)
         for parameter in camera_model(camera.model).parameters:
-            effect = corner_effect_px(camera).get(parameter.name, 0.0)
+            effect = effects.get(parameter.name, 0.0)
             if np.isfinite(effect) and (effect <= limit or limit == 0.0):
                 continue
             run.warn(Text(

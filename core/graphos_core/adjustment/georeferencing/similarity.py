@@ -14,7 +14,7 @@ from graphos_core.adjustment.georeferencing.measured_points import (
     photo_indices,
 )
 from graphos_core.adjustment.georeferencing.suspicions import name_suspicions
-from graphos_core.data import Array, Block, Control, Georeference, Known, KnownDistance
+from graphos_core.data import Adjustment, Array, Block, Control, Georeference, Known, KnownDistance
 from graphos_core.errors import UserError
 from graphos_core.geometry.similarity import Similarity, estimate_similarity
 from graphos_core.params import About, Params
@@ -139,6 +139,32 @@ def transform_block(block: Block, b_from_a: Similarity, unit: str) -> Block:
     return replace(
         block, rotations=rotations, centres=centres, points=b_from_a.apply(block.points), unit=unit
     )
+
+
+def placed_again(adjustment: Adjustment, placed: Georeference, known: Known) -> Georeference:
+    """Return how an adjusted block lies in the frame of what is known: residuals of its control and check points.
+
+    Parameters
+    ----------
+    adjustment : Adjustment
+        With `Adjustment.point_names`.
+    placed : Georeference
+        How the block was placed before it was adjusted.
+    known : Known
+    """
+    control = known.control
+    place = {name: i for i, name in enumerate(adjustment.point_names) if name}
+    if control is None or not place:
+        return placed
+    shown = np.array([i for i, name in enumerate(control.names)
+                      if name in place and np.isfinite(control.xyz[i]).all()], dtype=np.int64)  # fmt: skip
+    index = np.array([place[control.names[i]] for i in shown], dtype=np.int64)
+    residuals = adjustment.block.points[index] - control.xyz[shown]
+    check = np.asarray(control.check)[shown]
+    return replace(
+        placed, names=tuple(control.names[i] for i in shown), check=check, residuals=residuals,
+        rms_m=_rms(residuals[~check]), check_rms_m=_rms(residuals[check]),
+    )  # fmt: skip
 
 
 def _off(control: Control) -> Array:

@@ -7,7 +7,9 @@ import pytest
 
 from graphos_core.adjustment.bundle.adjust import Options, adjust_block
 from graphos_core.adjustment.bundle.problem import Freedom
-from graphos_core.adjustment.bundle.schur import BundleParams, adjust
+from graphos_core.adjustment.bundle.schur import adjust
+from graphos_core.adjustment.bundle.sheet import BundleParams
+from graphos_core.data import Known
 from graphos_core.errors import Stopped, UserError
 from graphos_core.geometry.similarity import estimate_similarity
 from graphos_core.run import Run
@@ -58,7 +60,7 @@ def test_the_stage_rejects_blunders_and_finds_the_noise(make_block):
     made = make_block(points=300)
     spoiled, wrong = with_blunders(made.start, 0.05)
     run = Listening()
-    adjusted = adjust(spoiled, BundleParams(), run=run)
+    adjusted = adjust(spoiled, Known(), BundleParams(), run=run)
     gone = len(spoiled.obs_xy) - len(adjusted.block.obs_xy)
     assert 0.9 * wrong.sum() < gone < 1.3 * wrong.sum()
     assert adjusted.sigma0_px == pytest.approx(0.3, rel=0.05)
@@ -72,12 +74,12 @@ def test_the_stage_rejects_blunders_and_finds_the_noise(make_block):
 def test_ten_percent_large_blunders_are_survived(make_block, robust):
     made = make_block(points=300)
     spoiled, wrong = with_blunders(made.start, 0.10, size=300.0)
-    adjusted = adjust(spoiled, BundleParams(robust=robust), run=Run())
+    adjusted = adjust(spoiled, Known(), BundleParams(robust=robust), run=Run())
     length = np.hypot(*adjusted.residuals.T)
     assert length.max() < 2.5
     assert len(spoiled.obs_xy) - len(adjusted.block.obs_xy) < 1.3 * wrong.sum()
     assert centre_error(adjusted.block, made.truth) < 2.0 * centre_error(
-        adjust(made.start, BundleParams(), run=Run()).block, made.truth
+        adjust(made.start, Known(), BundleParams(), run=Run()).block, made.truth
     )
 
 
@@ -85,19 +87,21 @@ def test_a_distortion_free_camera_becomes_basic_when_calibrated(make_block):
     made = make_block(points=300)
     camera = made.start.cameras[0]
     pinhole = replace(camera, model="pinhole", values=camera.values[:3], focal_estimated=True)
-    adjusted = adjust(replace(made.start, cameras=(pinhole,)), BundleParams(), run=Run())
+    adjusted = adjust(replace(made.start, cameras=(pinhole,)), Known(), BundleParams(), run=Run())
     found = adjusted.block.cameras[0]
     assert found.model == "basic"
     assert not found.focal_estimated
     assert np.all(np.abs(found.values - made.truth.cameras[0].values) < 4.0 * found.sigmas)
-    fixed = adjust(replace(made.truth, cameras=(pinhole,)), BundleParams(calibration="fixed"), run=Run())
+    fixed = adjust(
+        replace(made.truth, cameras=(pinhole,)), Known(), BundleParams(calibration="fixed"), run=Run()
+    )
     assert np.array_equal(fixed.block.cameras[0].values, pinhole.values)
     assert fixed.block.cameras[0].focal_estimated
 
 
 def test_calibration_per_photo_gives_each_photo_its_own_values(make_block):
     made = make_block(points=300)
-    adjusted = adjust(made.start, BundleParams(per_photo=True), run=Run())
+    adjusted = adjust(made.start, Known(), BundleParams(per_photo=True), run=Run())
     assert len(adjusted.block.cameras) == 8
     assert len({float(c.focal_px) for c in adjusted.block.cameras}) == 8
 
@@ -117,7 +121,7 @@ def test_a_parameter_that_the_photos_cannot_tell_is_warned_of(make_block):
     camera = replace(made.truth.cameras[0], values=np.array([f, 800.0, 600.0, 0.0, 0.0]))
     block = replace(flat, cameras=(camera,), centres=centres, rotations=down, obs_xy=xy)
     run = Listening()
-    adjust(block, BundleParams(principal_point="fixed"), run=run)
+    adjust(block, Known(), BundleParams(principal_point="fixed"), run=run)
     assert any("Principal distance" in text for text in run.warnings)
 
 
@@ -176,7 +180,7 @@ def test_a_block_without_common_points_is_refused_in_words(make_block):
     with pytest.raises(UserError, match="no observations"):
         adjust_block(replace(start, oriented=np.arange(8) == 0))
     with pytest.raises(UserError, match="share enough points"):
-        adjust(replace(start, oriented=np.arange(8) == 0), BundleParams(), run=Run())
+        adjust(replace(start, oriented=np.arange(8) == 0), Known(), BundleParams(), run=Run())
 
 
 def test_cancel_takes_effect_at_the_next_iteration(make_block):

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from graphos_core.adjustment.bundle.schur import BundleParams, adjust
+from graphos_core.adjustment.bundle.schur import adjust
 from graphos_core.adjustment.bundle.self_calibration import largest_roll
-from graphos_core.data import Block
+from graphos_core.adjustment.bundle.sheet import BundleParams
+from graphos_core.data import Block, Known
 from graphos_core.geometry.rotation import matrix_from_vector
 from graphos_core.run import Run
 from graphos_core.simulation.model import NoiseParams, theoretical_model
@@ -42,8 +43,8 @@ def test_the_roll_between_photos_is_found_whatever_their_tilt(roll_deg: float) -
 
 def test_without_roll_the_principal_point_stays_and_with_free_it_moves() -> None:
     block = block_of("triple", "sphere")
-    held = adjust(block, BundleParams(), run=Run()).block.cameras[0]
-    moved = adjust(block, BundleParams(principal_point="free"), run=Run()).block.cameras[0]
+    held = adjust(block, Known(), BundleParams(), run=Run()).block.cameras[0]
+    moved = adjust(block, Known(), BundleParams(principal_point="free"), run=Run()).block.cameras[0]
     assert held.sigmas is not None
     assert moved.sigmas is not None
     np.testing.assert_array_equal(held.values[1:3], block.cameras[0].values[1:3])

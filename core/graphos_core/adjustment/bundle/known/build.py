@@ -16,6 +16,9 @@ from graphos_core.data import Array, Block, Control, Known, KnownDistance, Known
 from graphos_core.run import Run
 from graphos_core.text import Text
 
+FIRST_NAMED = -2
+"""Measured point i has the track −2 − i while a block is adjusted."""
+
 
 @dataclass(frozen=True)
 class Defaults:
@@ -40,31 +43,27 @@ class Defaults:
 
 
 @dataclass(frozen=True)
-class Prepared:
-    """A block with its measured points, ready to be adjusted.
+class Observed:
+    """What is known, as the adjustment of a block takes it.
 
     Attributes
     ----------
     block : Block
-        Measured points follow the tie points.
+        With fixed control points at their given coordinates.
     groups : tuple of Group
     fixed_points : bool (p,)
-        Control points held fixed, at their given coordinates.
-    named : dict of str to int
-        Name of each measured point → index into the block's points.
+        Control points held fixed.
     """
 
     block: Block
     groups: tuple[Group, ...]
     fixed_points: Array
-    named: dict[str, int]
 
 
-def prepare_known(block: Block, known: Known, defaults: Defaults, run: Run) -> Prepared:
-    """Add measured points to a block and make groups of everything known.
+def join_measured(block: Block, known: Known, defaults: Defaults) -> Block:
+    """Add measured points to a block; `named_points` finds them again.
 
-    Points measured in one photo join only when they are control points; points that are switched off do not. Photos
-    and points that something refers to but that are not there are told.
+    Points measured in one photo join only when they are control points; points that are switched off do not.
 
     Parameters
     ----------
@@ -72,38 +71,12 @@ def prepare_known(block: Block, known: Known, defaults: Defaults, run: Run) -> P
         Placed in the frame of what is known.
     known : Known
     defaults : Defaults
-    run : Run
     """
-    joined, named = _with_measured(block, known, defaults)
-    fixed = np.zeros(len(joined.points), dtype=bool)
-    groups: list[Group] = []
-    if known.control is not None and defaults.use_control:
-        coordinates, held = _coordinates(known.control, named, defaults)
-        fixed[list(held)] = True
-        points = joined.points.copy()
-        for index, xyz in held.items():
-            points[index] = xyz
-        joined = replace(joined, points=points)
-        groups += [coordinates] if coordinates is not None else []
-    unit = joined.unit if joined.unit == "m" else ""
-    groups += _distances(joined, known.distances, named, defaults, run)
-    for shape in known.shapes:
-        groups += shapes.groups_of(shape, joined, named, unit, run)
-    if known.centres is not None:
-        groups += _positions(joined, known, run)
-    if known.attitudes is not None:
-        groups += _attitudes(joined, known, run)
-    for rig in known.rigs:
-        groups += _rig(joined, rig, run)
-    return Prepared(joined, tuple(groups), fixed, named)
-
-
-def _with_measured(block: Block, known: Known, defaults: Defaults, run: Run) -> tuple[Block, dict[str, int]]:
     control, measured = known.control, known.measured
     if control is None or measured is None or not len(measured.point):
-        return block, {}
-    found = intersect_measured(
-        block, control, measured, threshold_px=defaults.threshold_px, min_angle=0.0, run=run
+        return block
+    found = intersect_measured(  # what it says was said when the block was placed
+        block, control, measured, threshold_px=defaults.threshold_px, min_angle=0.0, run=Run()
     )
     off = np.zeros(len(control.names), dtype=bool) if control.off is None else np.asarray(control.off)
     known_xyz = np.isfinite(control.xyz).all(axis=1)
@@ -118,16 +91,56 @@ def _with_measured(block: Block, known: Known, defaults: Defaults, run: Run) -> 
     sigma = np.full(len(measured.point), np.nan) if measured.sigma_px is None else np.array(measured.sigma_px)
     sigma[~np.isfinite(sigma)] = defaults.measured_px
     ties = np.ones(len(block.obs_xy)) if block.obs_sigma_px is None else block.obs_sigma_px
-    joined = _sorted(replace(
+    return _sorted(replace(
         block, points=np.vstack([block.points, xyz]),
         colours=np.vstack([block.colours, np.full((len(joins), 3), 255, dtype=np.uint8)]),
-        point_track=np.concatenate([block.point_track, np.full(len(joins), -1, dtype=np.int32)]),
+        point_track=np.concatenate([block.point_track, (FIRST_NAMED - joins).astype(np.int32)]),
         obs_photo=np.concatenate([block.obs_photo, photo[use].astype(np.int32)]),
         obs_point=np.concatenate([block.obs_point, place[measured.point[use]].astype(np.int32)]),
         obs_xy=np.vstack([block.obs_xy, measured.xy[use]]),
         obs_sigma_px=np.concatenate([ties, sigma[use]]),
     ))  # fmt: skip
-    return joined, {control.names[i]: int(place[i]) for i in joins}
+
+
+def is_measured(block: Block) -> Array:
+    """Say which points (bool (p,)) `join_measured` added."""
+    return np.asarray(block.point_track <= FIRST_NAMED)
+
+
+def named_points(block: Block, known: Known) -> dict[str, int]:
+    """Return name → index of the measured points among the block's points."""
+    if known.control is None:
+        return {}
+    index = np.flatnonzero(is_measured(block))
+    return {known.control.names[FIRST_NAMED - int(block.point_track[i])]: int(i) for i in index}
+
+
+def observe(block: Block, known: Known, defaults: Defaults, run: Run) -> Observed:
+    """Make groups of everything known about a block with measured points.
+
+    Photos and points that something refers to but that are not there are told.
+    """
+    named = named_points(block, known)
+    fixed = np.zeros(len(block.points), dtype=bool)
+    groups: list[Group] = []
+    if known.control is not None and defaults.use_control:
+        coordinates, held = _coordinates(known.control, named, defaults)
+        fixed[list(held)] = True
+        points = np.array(block.points)
+        for index, xyz in held.items():
+            points[index] = xyz
+        block = replace(block, points=points)
+        groups += [coordinates] if coordinates is not None else []
+    groups += _distances(block, known.distances, named, defaults, run)
+    for shape in known.shapes:
+        groups += shapes.groups_of(shape, block, named, block.unit, run)
+    if known.centres is not None:
+        groups += _positions(block, known, run)
+    if known.attitudes is not None:
+        groups += _attitudes(block, known, run)
+    for rig in known.rigs:
+        groups += _rig(block, rig, run)
+    return Observed(block, tuple(groups), fixed)
 
 
 def _sorted(block: Block) -> Block:

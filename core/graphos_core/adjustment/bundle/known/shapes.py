@@ -78,7 +78,7 @@ def _flat(shape: KnownShape, point: Array, xyz: Array, here: list[str], title: s
         frame = np.eye(3)[[0, 1, 2]] if normals == 2 else np.eye(3)[[2, 0, 1]]
     extras: list[Extra] = []
     for i in range(normals):
-        extras.append(Extra(f"{title}: offset {i + 1}", 0.0, unit or "model units"))
+        extras.append(Extra(f"{title}: offset {i + 1}", 0.0, unit))
         if tilts:
             extras += [Extra(f"{title}: slope {i + 1}.{j + 1}", 0.0, "") for j in range(3 - normals)]
     axes = [""] if normals == 1 else [" 1", " 2"]

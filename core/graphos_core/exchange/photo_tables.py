@@ -1,0 +1,96 @@
+"""Positions and attitudes of photos: tables, and what photos say themselves (EXIF)."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+
+from graphos_core.data import Array, PhotoSet
+from graphos_core.errors import UserError
+from graphos_core.exchange.coordinates import local_tangent_frame
+from graphos_core.geometry.rotation import matrix_from_opk
+from graphos_core.project_file import inside
+from graphos_core.text import Text
+
+SIGMAS = ("sx", "sy", "sz")
+
+
+def read_positions(
+    beside: Path, source: str, origin: Array, photos: PhotoSet
+) -> tuple[tuple[str, ...], Array, Array]:
+    """Return the photos, their positions (k, 3) in m less `origin`, and standard deviations (k, 3), NaN where unknown.
+
+    Parameters
+    ----------
+    beside : Path
+        The file that names the table; the table stands in its folder.
+    source : str
+        ``"photos"``, or the name of a table ``photo,x,y,z[,sx,sy,sz]``.
+    origin : float64 (3,)
+    photos : PhotoSet
+    """
+    if source == "photos":
+        return _from_photos(photos)
+    names, columns = _table(inside(beside.parent, source), ("x", "y", "z"), SIGMAS)
+    return names, columns[:, :3] - origin, columns[:, 3:]
+
+
+def _from_photos(photos: PhotoSet) -> tuple[tuple[str, ...], Array, Array]:
+    """Return EXIF positions in a frame east, north, up at their mean."""
+    known = [p for p in photos.photos if p.exif.latitude_deg is not None and p.exif.longitude_deg is not None]
+    if not known:
+        raise UserError("The photos say no positions.", "None of them has GNSS coordinates in its EXIF.",
+                        "Give a table of positions, or take the section [gnss] out.", learn="adjustment/gnss")  # fmt: skip
+    degrees = np.array([[p.exif.latitude_deg, p.exif.longitude_deg, p.exif.altitude_m or 0.0] for p in known])
+    xyz = local_tangent_frame(degrees.mean(axis=0)).from_geographic(degrees)
+    return tuple(p.name for p in known), xyz, np.full(xyz.shape, np.nan)
+
+
+def read_attitudes(beside: Path, source: str) -> tuple[tuple[str, ...], Array]:
+    """Return the photos and ``cam_from_world`` (k, 3, 3) of a table ``photo,omega,phi,kappa`` in degrees."""
+    names, columns = _table(inside(beside.parent, source), ("omega", "phi", "kappa"), ())
+    return names, np.array([matrix_from_opk(*np.radians(row)) for row in columns])
+
+
+def _table(path: Path, needed: tuple[str, ...], optional: tuple[str, ...]) -> tuple[tuple[str, ...], Array]:
+    """Read a table with a header; optional columns that are missing become NaN."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as problem:
+        raise UserError(Text("The table {name} could not be read.", name=path.name), str(problem),
+                        "Check its name and that it is a text file.") from problem  # fmt: skip
+    lines = [
+        (i, line) for i, line in enumerate(text.splitlines(), 1) if line.strip() and not line.startswith("#")
+    ]
+    if not lines:
+        raise UserError(Text("The table {name} is empty.", name=path.name))
+    delimiter = max(",;\t", key=lines[0][1].count)
+    header = [cell.strip().casefold() for cell in next(csv.reader([lines[0][1]], delimiter=delimiter))]
+    missing = [name for name in ("photo", *needed) if name not in header]
+    if missing:
+        raise UserError(Text("The table {name} has no column {column}.", name=path.name, column=missing[0]),
+                        Text("Its header is “{header}”.", header=lines[0][1][:80]),
+                        Text("Name the columns: photo, {columns}.", columns=", ".join((*needed, *optional))))  # fmt: skip
+    names, rows = [], []
+    for number, line in lines[1:]:
+        cells = next(csv.reader([line], delimiter=delimiter))
+        row = dict(zip(header, (cell.strip() for cell in cells), strict=False))
+        names.append(row.get("photo", ""))
+        rows.append([_number(path, number, row.get(c, ""), c) for c in needed]
+                    + [_number(path, number, row[c], c) if row.get(c) else math.nan for c in optional])  # fmt: skip
+    return tuple(names), np.array(rows, dtype=np.float64).reshape(-1, len(needed) + len(optional))
+
+
+def _number(path: Path, line: int, text: str, column: str) -> float:
+    try:
+        value = float(text.replace(",", "."))
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise UserError(Text("{name}, line {line}, could not be read.", name=path.name, line=line),
+                        Text("There {column} is “{text}”, not a number.", column=column, text=text[:40]),
+                        "Correct the line.")  # fmt: skip
+    return value
