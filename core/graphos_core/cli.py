@@ -23,6 +23,8 @@ DONE, FAILED, USAGE = 0, 1, 2
 
 def build_parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
+    from graphos_core.adjustment.bundle.sheet import CALIBRATIONS
+
     parser = argparse.ArgumentParser(
         prog="graphos",
         description="Learning and doing photogrammetry: from photos to a measured 3D model, every step explained.",
@@ -71,7 +73,10 @@ def build_parser() -> argparse.ArgumentParser:
     run.add_argument("--principal-point", type=_pair, metavar="X,Y", help="principal point in px")
     run.add_argument("--lens", choices=LENSES, help="kind of lens (default perspective)")
     run.add_argument(
-        "--calibration", choices=("fixed", "basic"), help="keep the calibration, or adjust f, x0, y0, k1, k2"
+        "--calibration",
+        choices=CALIBRATIONS,
+        metavar="MODEL",
+        help="what the photos calibrate: " + ", ".join(CALIBRATIONS),
     )
     run.add_argument(
         "--camera", type=Path, metavar="FILE",

@@ -76,7 +76,7 @@ def _recipe(options: argparse.Namespace) -> Recipe:
     if options.calibration is not None:
         recipe = recipe.set(f"adjustment.schur.calibration={options.calibration}")
         recipe = recipe.set(
-            f"adjustment.incremental.self_calibration={str(options.calibration == 'basic').lower()}"
+            f"adjustment.incremental.self_calibration={str(options.calibration != 'fixed').lower()}"
         )
     for assignment in options.assignments:
         recipe = recipe.set(assignment)

@@ -1,7 +1,10 @@
 """Control points and their image measurements as text tables (CSV).
 
-Control points: columns ``name, x, y, z`` and optionally ``role`` (control or check). Measurements: columns ``photo,
-name, x, y`` in pixels, the centre of the top-left pixel being (0, 0). Measurements stand in a file beside the first,
+Control points: columns ``name, x, y, z`` and optionally ``role`` (control, check or off) and standard deviations ``sx,
+sy, sz`` or one ``sigma``; an empty coordinate is unknown, σ = 0 holds a point fixed. Measurements: columns ``photo,
+name, x, y`` and optionally ``sigma`` in pixels, the centre of the top-left pixel being (0, 0). A comment ``# crs:
+EPSG:25832`` names the coordinate system; geographic coordinates (x longitude, y latitude, degrees) are turned into a
+local frame east, north, up. Measurements stand in a file beside the first,
 ``control.csv`` and ``control_measurements.csv``, or in the same file under a header of their own. Columns are
 separated by comma, semicolon or tab; ``#`` starts a comment; a unit may stand behind a column's name, ``x [mm]``, or
 in a row of units below the header.
@@ -15,16 +18,19 @@ import numpy as np
 
 from graphos_core.data import Array, Control, ControlObservations
 from graphos_core.exchange.control_tables import Row, Table, bad_line, read_tables
+from graphos_core.exchange.coordinates import metric_coordinates
 from graphos_core.text import Text
 
 FAR_M = 1e4
 """Coordinates beyond this are shifted to a local origin, m."""
 
 ROLES = {
-    "": False, "control": False, "control point": False, "gcp": False, "check": True, "check point": True,
-    "checkpoint": True, "check-point": True,
+    "": "control", "control": "control", "control point": "control", "gcp": "control", "check": "check",
+    "check point": "check", "checkpoint": "check", "check-point": "check", "off": "off", "unused": "off",
 }  # fmt: skip
-"""Whether a point of this role is a check point."""
+"""What a word in the column ``role`` means."""
+
+SIGMAS = ("sx", "sy", "sz")
 
 
 def read_control(path: Path) -> tuple[Control | None, ControlObservations | None]:
@@ -56,26 +62,59 @@ def read_control(path: Path) -> tuple[Control | None, ControlObservations | None
     points = [(table, row) for table in tables if not table.measurements for row in table.rows]
     measurements = [(table, row) for table in tables if table.measurements for row in table.rows]
     names: dict[str, int] = {}
-    xyz, check = [], []
+    xyz, sigma, roles = [], [], []
     for table, row in points:
         name = _named(table, row)
         if name in names:
             raise bad_line(table, row, Text("the point {name} occurs twice", name=name))
         names[name] = len(names)
-        xyz.append([table.number(row, axis) for axis in "xyz"])
-        check.append(_is_check(table, row))
+        xyz.append(_coordinates(table, row))
+        sigma.append(_sigmas(table, row))
+        roles.append(_role(table, row))
     observations = _measurements(measurements, names)
     while len(xyz) < len(names):  # measured, but without coordinates
         xyz.append([np.nan] * 3)
-        check.append(True)
+        sigma.append([np.nan] * 3)
+        roles.append("check")
     if not names:
         return None, None
-    coordinates = np.array(xyz, dtype=np.float64).reshape(-1, 3)
+    crs = _crs(path)
+    coordinates, frame = metric_coordinates(np.array(xyz, dtype=np.float64).reshape(-1, 3), crs)
     origin = local_origin(coordinates)
+    spread = np.array(sigma, dtype=np.float64).reshape(-1, 3)
     control = Control(
-        names=tuple(names), xyz=coordinates - origin, check=np.array(check, dtype=bool), origin=origin
-    )
+        names=tuple(names), xyz=coordinates - origin, check=np.array([role == "check" for role in roles]),
+        origin=origin, sigma=spread if np.isfinite(spread).any() else None,
+        off=np.array([role == "off" for role in roles]) if "off" in roles else None,
+        crs=crs if frame is None else "",
+    )  # fmt: skip
     return control, observations
+
+
+def _coordinates(table: Table, row: Row) -> list[float]:
+    """Return X, Y, Z; an empty cell is an unknown coordinate, a missing one an error, as is a point without any."""
+    empty = [axis for axis in "xyz" if table.has(row, axis) and not table.text(row, axis)]
+    if len(empty) == 3:
+        raise bad_line(table, row, "all three coordinates are empty")
+    return [np.nan if axis in empty else table.number(row, axis) for axis in "xyz"]
+
+
+def _sigmas(table: Table, row: Row) -> list[float]:
+    every = table.optional(row, "sigma")
+    values = [table.optional(row, column) for column in SIGMAS]
+    values = [every if np.isnan(value) else value for value in values]
+    if any(value < 0 for value in values):
+        raise bad_line(table, row, "a standard deviation is negative")
+    return values
+
+
+def _crs(path: Path) -> str:
+    """Return the coordinate system that a comment ``# crs: …`` names, or nothing."""
+    for line in path.read_text(encoding="utf-8-sig", errors="replace").splitlines():
+        text = line.strip().casefold()
+        if text.startswith("#") and text.lstrip("# ").startswith("crs:"):
+            return line.partition(":")[2].strip()
+    return ""
 
 
 def local_origin(xyz: Array) -> Array:
@@ -91,7 +130,7 @@ def _measurements(rows: list[tuple[Table, Row]], names: dict[str, int]) -> Contr
     """Collect the measurements; points that have no coordinates are added to `names`."""
     if not rows:
         return None
-    point, photo, xy = [], [], []
+    point, photo, xy, sigma = [], [], [], []
     seen: set[tuple[str, str]] = set()
     for table, row in rows:
         name, where = _named(table, row), table.text(row, "photo").replace("\\", "/")
@@ -103,9 +142,13 @@ def _measurements(rows: list[tuple[Table, Row]], names: dict[str, int]) -> Contr
         point.append(names.setdefault(name, len(names)))
         photo.append(where)
         xy.append([table.number(row, axis) for axis in "xy"])
+        sigma.append(table.optional(row, "sigma"))
+        if sigma[-1] <= 0:
+            raise bad_line(table, row, "the standard deviation is not above 0")
     return ControlObservations(
-        point=np.array(point, dtype=np.int32), photo=tuple(photo), xy=np.array(xy, dtype=np.float64)
-    )
+        point=np.array(point, dtype=np.int32), photo=tuple(photo), xy=np.array(xy, dtype=np.float64),
+        sigma_px=np.array(sigma) if np.isfinite(sigma).any() else None,
+    )  # fmt: skip
 
 
 def _named(table: Table, row: Row) -> str:
@@ -115,8 +158,10 @@ def _named(table: Table, row: Row) -> str:
     return name
 
 
-def _is_check(table: Table, row: Row) -> bool:
+def _role(table: Table, row: Row) -> str:
     role = table.text(row, "role").casefold()
     if role not in ROLES:
-        raise bad_line(table, row, Text("the role “{role}” is neither control nor check", role=role[:40]))
+        raise bad_line(
+            table, row, Text("the role “{role}” is neither control, check nor off", role=role[:40])
+        )
     return ROLES[role]

@@ -20,6 +20,10 @@ COLUMNS = {
     "y": ("y", "north", "northing", "n", "v", "row"),
     "z": ("z", "height", "h", "altitude", "elevation", "up"),
     "role": ("role", "type", "use"),
+    "sx": ("sx", "sigma x", "sigmax", "std x", "σx", "σ x", "accuracy x"),
+    "sy": ("sy", "sigma y", "sigmay", "std y", "σy", "σ y", "accuracy y"),
+    "sz": ("sz", "sigma z", "sigmaz", "std z", "σz", "σ z", "accuracy z"),
+    "sigma": ("sigma", "σ", "std", "accuracy"),
     "photo": ("photo", "image", "picture", "file", "filename", "photo name", "image name"),
 }
 """Names a column may have in the header."""
@@ -79,6 +83,20 @@ class Table:
         """Return a cell without blanks around it; empty where the table or the row has none."""
         index = self.columns.get(column)
         return row.cells[index].strip() if index is not None and index < len(row.cells) else ""
+
+    def has(self, row: Row, column: str) -> bool:
+        """Say whether the table has the column and the row a cell there, empty or not."""
+        return column in self.columns and self.columns[column] < len(row.cells)
+
+    def optional(self, row: Row, column: str) -> float:
+        """Return a cell as a number in metres or pixels, NaN where there is none or it is empty.
+
+        Raises
+        ------
+        UserError
+            When it is something else than a finite number.
+        """
+        return self.number(row, column) if self.text(row, column) else math.nan
 
     def number(self, row: Row, column: str) -> float:
         """Return a cell as a number in metres or pixels.

@@ -70,7 +70,7 @@ def test_large_coordinates_get_a_local_origin_that_loses_nothing(tmp_path: Path)
         ("name,x,y,z\nA,1,2,nan\n", "line 2.*not a number"),
         ("name,x,y,z\nA,1,2,3\nA,1,2,3\n", "line 3.*twice"),
         ("name,x,y,z\n,1,2,3\n", "line 2.*name of the point is missing"),
-        ("name,x,y,z,role\nA,1,2,3,hero\n", "line 2.*neither control nor check"),
+        ("name,x,y,z,role\nA,1,2,3,hero\n", "line 2.*neither control, check nor off"),
         ("photo,name,x,y\na.jpg,A,1,2\na.jpg,A,1,2\n", "line 3.*measured twice"),
         ("photo,name,x,y\n,A,1,2\n", "line 2.*photo is missing"),
         ("name,x [ft],y [ft],z [ft]\nA,1,2,3\n", "line 1.*unit of x is “ft”"),

@@ -50,7 +50,7 @@ def made(tmp_path: Path, *, method: str, with_reference: bool) -> Any:
         path, Mesh(vertices=corners, triangles=np.array([[0, 1, 2], [0, 2, 3]], np.int32), unit="m")
     )
     values = {
-        "georeference": AdjustmentResult(adjustment=adjustment, georeference=placed),
+        "adjustment": AdjustmentResult(adjustment=adjustment, georeference=placed),
         "cloud": cloud,
         "matches": SimpleNamespace(pairs=()),
     }
