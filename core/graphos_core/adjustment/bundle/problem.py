@@ -11,7 +11,7 @@ import numpy as np
 
 from graphos_core.adjustment.bundle.kernels import Layout, Scene
 from graphos_core.adjustment.bundle.known.group import Columns, Group
-from graphos_core.cameras import camera_model
+from graphos_core.cameras import camera_model, pre_corrected
 from graphos_core.data import Array, Block
 from graphos_core.errors import UserError
 
@@ -192,7 +192,7 @@ def make_problem(block: Block, freedom: Freedom, groups: Sequence[Group] = ()) -
     point_column = np.where(kept[order], unknowns + 3 * (np.cumsum(kept[order]) - 1), -1)
     unknowns += 3 * int(kept.sum())
     layout = layout._replace(
-        start=start, photo=photo, xy=np.ascontiguousarray(block.obs_xy[observation]),
+        start=start, photo=photo, xy=_positions(block, observation),
         weight=_weights(block, observation), free_point=~(fixed | kept)[order],
         point_column=point_column.astype(np.int64),
     )  # fmt: skip
@@ -211,6 +211,16 @@ def make_problem(block: Block, freedom: Freedom, groups: Sequence[Group] = ()) -
     return Problem(
         block, layout, scene, order, observation, unknowns, _chunks(start, unknowns), present, columns
     )
+
+
+def _positions(block: Block, observation: Array) -> Array:
+    """Return the measured positions, freed from the fixed corrections of chained camera models."""
+    xy = np.array(block.obs_xy[observation], dtype=np.float64)
+    for c, camera in enumerate(block.cameras):
+        if camera.before:
+            mine = np.asarray(block.camera_of_photo)[block.obs_photo[observation]] == c
+            xy[mine] = pre_corrected(camera, xy[mine])
+    return xy
 
 
 def _weights(block: Block, observation: Array) -> Array:

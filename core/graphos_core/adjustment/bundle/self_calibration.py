@@ -10,7 +10,7 @@ import numpy as np
 
 from graphos_core.adjustment.bundle.known.photos import CameraValues
 from graphos_core.cameras import camera_model, pixel_from_ray, ray_from_pixel
-from graphos_core.cameras.upgrade import as_model
+from graphos_core.cameras.conversion import as_model
 from graphos_core.data import Array, Block, Camera
 from graphos_core.errors import UserError
 from graphos_core.params import unknown_name
@@ -94,7 +94,8 @@ def prepare(block: Block, calibration: str, *, per_photo: bool = False) -> Block
     """
     cameras = list(block.cameras)
     if calibration not in ("fixed", "as it is"):
-        cameras = [as_model(camera, calibration.replace("-", "_")) for camera in cameras]
+        name = calibration.replace("-", "_")  # fixed corrections before the last model stay
+        cameras = [replace(as_model(replace(c, before=()), name), before=c.before) for c in cameras]
     of_photo = np.asarray(block.camera_of_photo)
     if per_photo and calibration != "fixed":
         cameras = [
