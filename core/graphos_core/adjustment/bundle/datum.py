@@ -135,7 +135,8 @@ def describe(problem: Problem, defect: int, kind: DatumKind = "inner") -> str:
         held.append(f"{fixed_points} fixed points")
     if fixed_photos:
         held.append(f"{fixed_photos} fixed photos")
-    held += sorted({g.kind for g in problem.groups if g.kind not in ("camera", "rig")})
+    names = {"datum": "the scale at its start"}
+    held += sorted({names.get(g.kind, g.kind) for g in problem.groups if g.kind not in ("camera", "rig")})
     if defect == 0:
         return " and ".join(held)
     how = "inner constraints on" if kind == "inner" else "minimal constraints among"

@@ -145,7 +145,7 @@ def test_lever_arm_boresight_and_plane_are_found(make_block) -> None:
     [
         ({}, 7),
         ({"distances"}, 6),
-        ({"shapes"}, 5),
+        ({"shapes"}, 4),  # the scale is held, or residuals of planes would shrink the block
         ({"shapes", "distances"}, 4),
         ({"centres"}, 0),
         ({"attitudes"}, 4),

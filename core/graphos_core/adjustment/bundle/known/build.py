@@ -140,6 +140,7 @@ def observe(block: Block, known: Known, defaults: Defaults, run: Run) -> Observe
         groups += _attitudes(block, known, run)
     for rig in known.rigs:
         groups += _rig(block, rig, run)
+    groups += _held_scale(block, groups)
     return Observed(block, tuple(groups), fixed)
 
 
@@ -199,6 +200,25 @@ def _distances(
                 Distances(np.array(a), np.array(b), np.array(metres), np.array(sigma_m), labels, photo)
             )
     return out
+
+
+def _held_scale(block: Block, groups: Sequence[Group]) -> list[Group]:
+    """Hold the longest base where shapes or rigs have lengths as residuals but nothing gives the scale.
+
+    Without it the block would shrink until those residuals vanish.
+    """
+    kinds = {group.kind for group in groups}
+    scaled = {"control coordinates", "distances", "projection centres"} & kinds
+    if scaled or not {"planes", "lines", "axes", "rig"} & kinds:
+        return []
+    photos = np.flatnonzero(block.oriented)
+    centres = np.asarray(block.centres)[photos]
+    a = int(np.argmax(np.linalg.norm(centres - centres.mean(axis=0), axis=1)))
+    b = int(np.argmax(np.linalg.norm(centres - centres[a], axis=1)))
+    length = float(np.linalg.norm(centres[a] - centres[b]))
+    label = f"{block.names[photos[a]]}–{block.names[photos[b]]}"
+    return [Distances(photos[[a]], photos[[b]], np.array([length]), np.array([1e-6 * length]), [label], True,
+                      block.unit, "datum")]  # fmt: skip
 
 
 def _there(block: Block, names: Sequence[str], what: str, run: Run) -> tuple[Array, Array]:
