@@ -147,8 +147,8 @@ def test_a_distance_of_the_table_gives_a_project_its_scale_and_changes_its_key(t
         cv2.imwrite(str(photos / f"{i}.png"), noise)
     project = Project.create(tmp_path / "project", photos)
     before = Pipeline(project, Recipe.default()).key("georeference")
-    assert project.known_distance() is None
+    assert project.known().distances == ()
     write_sheet(project.folder, ControlSheet(distances=(SheetDistance("0.png", "1.png", 2.0),)))
-    found = project.known_distance()
-    assert found is not None and (found.a, found.b, found.metres) == ("0.png", "1.png", 2.0)
+    (found,) = project.known().distances
+    assert (found.a, found.b, found.metres) == ("0.png", "1.png", 2.0)
     assert Pipeline(project, Recipe.default()).key("georeference") != before
