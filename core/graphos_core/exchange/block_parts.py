@@ -68,11 +68,6 @@ class Parts:
         found = from_foreign(source)
         if not found.exact:
             self.remarks.append(found.says(source.label or source.formula, found.camera.model))
-        if found.without_image:
-            self.remarks.append(Text(
-                "{name}: {count} of the sampled pixels of the format have no direction.",
-                name=source.label or source.formula, count=found.without_image,
-            ))  # fmt: skip
         self.cameras.append(found.camera)
         return len(self.cameras) - 1
 

@@ -23,6 +23,9 @@ from graphos_core.text import Text
 EXACT_PX = 1e-6
 """Largest residual over the format of a conversion that is called exact, px."""
 
+ROUNDING_PX = 1e-8
+"""What rounding the parameters of an exact conversion may cost, px."""
+
 POINTS = 25
 """Pixels of the grid along each side of the format."""
 
@@ -50,7 +53,7 @@ class Conversion(Generic[Target]):
     residuals : float64 (n, 2)
         Position in the target − position in the source of the same direction, px.
     without_image : int
-        Pixels of the grid that have no direction in the source or no image in the target.
+        Pixels of the grid whose direction in the source has no image in the target.
     """
 
     camera: Target
@@ -70,11 +73,18 @@ class Conversion(Generic[Target]):
 
     @property
     def exact(self) -> bool:
-        """Whether the target expresses the source."""
-        return self.max_px <= EXACT_PX
+        """Whether the target expresses the source, over the whole format."""
+        return self.max_px <= EXACT_PX and not self.without_image
 
     def says(self, source: str, target: str) -> str:
         """Say in one sentence what the conversion costs."""
+        if self.without_image:
+            return Text(
+                "{source} → {target}: {lost} of {all} sampled pixels cannot be expressed; of the others the largest difference "
+                "is {worst:.3g} px, RMS {rms:.3g} px per coordinate.",
+                source=source, target=target, lost=self.without_image, all=self.without_image + len(self.pixels),
+                worst=self.max_px, rms=self.rms_px,
+            )  # fmt: skip
         if self.exact:
             return Text("{source} → {target}: exact (largest difference {px:.1e} px over the format).",
                         source=source, target=target, px=self.max_px)  # fmt: skip
@@ -125,14 +135,16 @@ def to_foreign(camera: Camera, name: str) -> Conversion[ForeignCamera]:
         )
     pixels = pixel_grid(frame)
     rays = ray_from_pixel(camera, pixels)
-    seen = np.isfinite(rays).all(axis=1) & (target.wide | (rays[:, 2] > 0))
+    directed = np.isfinite(rays).all(axis=1)
+    seen = directed & (target.wide | (rays[:, 2] > 0))
     start = target.start(camera.focal_px, _principal(camera), frame)
     free = np.array([p not in target.constants for p in target.parameters])
-    values = _fit(_foreign_residual(target, frame, camera, pixels[seen], rays[seen]), start, free)
+    residual = _foreign_residual(target, frame, camera, pixels[seen], rays[seen])
+    values = _rounded(residual, _fit(residual, start, free))
     made = ForeignCamera(name, values, frame, camera.label)
     left = _difference(target, made, camera, pixels[seen], rays[seen])
     good = np.isfinite(left).all(axis=1)
-    return Conversion(made, pixels[seen][good], left[good], len(pixels) - int(good.sum()))
+    return Conversion(made, pixels[seen][good], left[good], int(directed.sum() - good.sum()))
 
 
 def from_foreign(source: ForeignCamera, model: str = "") -> Conversion[Camera]:
@@ -161,10 +173,10 @@ def from_foreign(source: ForeignCamera, model: str = "") -> Conversion[Camera]:
     names = [model] if model else _candidates(source)
     best: Conversion[Camera] | None = None
     for name in names:
-        found = _fit_ours(source, name, pixels[seen], rays[seen], len(pixels))
+        found = _fit_ours(source, name, pixels[seen], rays[seen])
         if best is None or (found.without_image, found.rms_px) < (best.without_image, 0.999 * best.rms_px):
             best = found
-        if best.exact and best.without_image <= len(pixels) - int(seen.sum()):
+        if best.exact:
             break
     assert best is not None
     return best
@@ -232,7 +244,7 @@ def _difference(target: Formula, made: ForeignCamera, camera: Camera, pixels: Ar
     return pixels - pixel_from_ray(camera, target.function(made.values, made.frame, pixels))
 
 
-def _fit_ours(source: ForeignCamera, name: str, pixels: Array, rays: Array, count: int) -> Conversion[Camera]:
+def _fit_ours(source: ForeignCamera, name: str, pixels: Array, rays: Array) -> Conversion[Camera]:
     model = camera_model(name)
     focal, principal = _focal_and_principal(pixels, rays, source.frame)
     constant = np.array([p.default == "constant" for p in model.parameters])
@@ -246,10 +258,10 @@ def _fit_ours(source: ForeignCamera, name: str, pixels: Array, rays: Array, coun
     def residual(values: Array) -> Array:
         return pixel_from_ray(replace(camera, values=values), rays) - pixels
 
-    camera = replace(camera, values=_fit(residual, start, ~constant))
+    camera = replace(camera, values=_rounded(residual, _fit(residual, start, ~constant)))
     left = pixel_from_ray(camera, rays) - pixels
     good = np.isfinite(left).all(axis=1)
-    return Conversion(camera, pixels[good], left[good], count - int(good.sum()))
+    return Conversion(camera, pixels[good], left[good], len(pixels) - int(good.sum()))
 
 
 def _focal_and_principal(pixels: Array, rays: Array, frame: Format) -> tuple[float, Array]:
@@ -290,6 +302,17 @@ def _fit(residual: Callable[[Array], Array], start: Array, free: Array) -> Array
         ftol=1e-12, xtol=1e-15, gtol=1e-15, max_nfev=15 if many else 60,
     )  # fmt: skip
     values[which] += scale * found.x
+    return values
+
+
+def _rounded(residual: Callable[[Array], Array], values: Array) -> Array:
+    """Return the values with nine significant digits where an exact fit stays exact: 1100 instead of 1099.9999999999."""
+    worst = np.abs(residual(values)).max(initial=0.0)
+    short = np.array([float(f"{v:.9g}") for v in values])
+    kept = np.array([round(v) if abs(v) < WRONG_PX and abs(v - round(v)) < ROUNDING_PX else v for v in short])
+    for trial in (kept, short):
+        if np.abs(residual(trial)).max(initial=0.0) <= max(worst, ROUNDING_PX):
+            return trial
     return values
 
 

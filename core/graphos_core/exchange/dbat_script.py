@@ -66,7 +66,7 @@ def _parse(path: Path) -> Element:
 
 def _case(path: Path, root: Element) -> DbatCase:
     given = _required(root, "input")
-    camera = _camera(_required(given, "cameras/camera"), _word(root, ".//set_initial_values/io"))
+    camera = camera_of_element(_required(given, "cameras/camera"), _word(root, ".//set_initial_values/io"))
     photos = [read_table(*_file(path, element)) for element in given.findall("images/file")]
     names = tuple(
         name.replace("\\", "/").rsplit("/", 1)[-1] for table in photos for name in table.words["path"]
@@ -143,11 +143,13 @@ def _sigma(table: DbatTable) -> Array:
     return np.zeros((len(table), 3))
 
 
-def _camera(element: Element, initial: str) -> DbatCamera:
+def camera_of_element(element: Element, initial: str) -> DbatCamera:
     """Read the camera; with initial values ``default`` it starts at the focal length, centred, undistorted."""
     width, height = (int(word) for word in _word(element, "image").split(","))
     sensor = [word.strip() for word in _word(element, "sensor").split(",")]
-    pitch = float(sensor[1]) / height if sensor[0] == "auto" else float(sensor[0]) / width
+    pitch = (
+        float(sensor[0]) / width if sensor[1] == "auto" else float(sensor[1]) / height
+    )  # width has the aspect in it
     model = int(_word(element, "model") or 3)
     if model not in (1, 3):
         raise ValueError(f"lens model {model} is not read, only 1 and 3")

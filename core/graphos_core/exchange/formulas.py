@@ -108,7 +108,7 @@ def register(formula: Formula) -> Formula:
 
 def formulas() -> dict[str, Formula]:
     """Return every formula by name."""
-    from graphos_core.exchange import formulas_colmap, formulas_micmac, formulas_other  # noqa: F401
+    from graphos_core.exchange import dbat_camera, formulas_colmap, formulas_micmac, formulas_other  # noqa: F401
 
     return _formulas
 

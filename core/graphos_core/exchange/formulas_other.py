@@ -71,7 +71,7 @@ register(Formula("metashape equisolid_fisheye", METASHAPE, "ideal → measured",
                  _metashape_start, wide=True))  # fmt: skip
 
 
-def _backward(x: Array, y: Array, c: float, k: Array, p: Array, b: Array) -> Array:
+def backward_directions(x: Array, y: Array, c: float, k: Array, p: Array, b: Array) -> Array:
     """Return directions of measured positions (mm, y up, from the principal point) corrected as Fraser 1997 does."""
     r2 = x * x + y * y
     dx, dy = decentring(x, y, r2, p[0], p[1])
@@ -81,31 +81,34 @@ def _backward(x: Array, y: Array, c: float, k: Array, p: Array, b: Array) -> Arr
     return np.column_stack([xc / c, -yc / c, np.ones_like(xc)])
 
 
-def _pitch(frame: Format) -> float:
+def pitch_of(frame: Format) -> float:
+    """Return the pixel size, mm; 1 where it is not known."""
     return frame.pitch_mm if frame.pitch_mm is not None else 1.0
 
 
 def _photomodeler(values: Array, frame: Format, pixels: Array) -> Array:
     c, xp, yp, k1, k2, k3, p1, p2 = values
-    mm = (pixels + CORNER) * _pitch(frame)
-    return _backward(mm[:, 0] - xp, yp - mm[:, 1], c, np.array([k1, k2, k3]), np.array([p1, p2]), np.zeros(2))
+    mm = (pixels + CORNER) * pitch_of(frame)
+    return backward_directions(
+        mm[:, 0] - xp, yp - mm[:, 1], c, np.array([k1, k2, k3]), np.array([p1, p2]), np.zeros(2)
+    )
 
 
 def _photomodeler_start(focal: float, principal: Array, frame: Format) -> Array:
-    pitch = _pitch(frame)
+    pitch = pitch_of(frame)
     return np.array([focal * pitch, *((np.asarray(principal) + CORNER) * pitch), *[0.0] * 5])
 
 
 def _australis(values: Array, frame: Format, pixels: Array) -> Array:
     c, xp, yp, k1, k2, k3, p1, p2, b1, b2 = values
-    mm = (pixels - frame.centre) * _pitch(frame)
-    return _backward(mm[:, 0] - xp, -mm[:, 1] - yp, c, np.array([k1, k2, k3]), np.array([p1, p2]),
+    mm = (pixels - frame.centre) * pitch_of(frame)
+    return backward_directions(mm[:, 0] - xp, -mm[:, 1] - yp, c, np.array([k1, k2, k3]), np.array([p1, p2]),
                      np.array([b1, b2]))  # fmt: skip
 
 
 def _australis_start(focal: float, principal: Array, frame: Format) -> Array:
-    offset = (np.asarray(principal) - frame.centre) * _pitch(frame)
-    return np.array([focal * _pitch(frame), offset[0], -offset[1], *[0.0] * 7])
+    offset = (np.asarray(principal) - frame.centre) * pitch_of(frame)
+    return np.array([focal * pitch_of(frame), offset[0], -offset[1], *[0.0] * 7])
 
 
 PHOTOMODELER = ("focal", "xp", "yp", "K1", "K2", "K3", "P1", "P2")

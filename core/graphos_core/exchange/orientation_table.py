@@ -53,7 +53,7 @@ UNIT_WORDS = {"deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg", "gon
 
 
 @dataclass(frozen=True)
-class OrientationFormat:
+class OrientationTableFormat:
     """How a table of orientations is written.
 
     Attributes
@@ -95,7 +95,7 @@ class Preview:
     bad: tuple[BadLine, ...]
 
 
-def guess_orientations(text: str) -> OrientationFormat:
+def guess_orientations(text: str) -> OrientationTableFormat:
     """Return the format that fits a text best, with a reason for each setting."""
     table = guess(text)
     grid = cells(text, table)
@@ -108,7 +108,7 @@ def guess_orientations(text: str) -> OrientationFormat:
         columns = {key: i for key, i in columns.items() if i >= 0}
         why["columns"] = "The header names no columns: taken as name, X, Y, Z and three angles in this order."
         why["order"] = "Nothing says which angles these are: omega, phi, kappa is the usual order."
-    found = OrientationFormat(replace(table, columns=columns, unit=length or "m"), order, unit or "deg")
+    found = OrientationTableFormat(replace(table, columns=columns, unit=length or "m"), order, unit or "deg")
     if not unit:
         unit, why["angle_unit"] = _guess_unit(text, found)
     why["unit"] = (
@@ -161,7 +161,7 @@ def _title(cell: str) -> tuple[str, str]:
     return (name, unit) if name and (unit in UNIT_WORDS or unit in LENGTHS) else (text, "")
 
 
-def _guess_unit(text: str, found: OrientationFormat) -> tuple[str, str]:
+def _guess_unit(text: str, found: OrientationTableFormat) -> tuple[str, str]:
     """Guess the unit of the angles from their size; the unit and the reason."""
     rows, _ = _rows(text, replace(found, angle_unit="rad"))
     largest = max((abs(a) for row in rows for a in row.angles), default=0.0)
@@ -174,14 +174,14 @@ def _guess_unit(text: str, found: OrientationFormat) -> tuple[str, str]:
     return "rad", Text("No angle is larger than {a:.3f}: within 2π.", a=largest)
 
 
-def preview(text: str, form: OrientationFormat, lines: int = 20) -> Preview:
+def preview(text: str, form: OrientationTableFormat, lines: int = 20) -> Preview:
     """Return what a format makes of a text."""
     rows, bad = _rows(text, form)
     shown = cells(text, form.table)[:lines]
     return Preview(tuple(tuple(row) for row in shown), tuple(rows), tuple(bad))
 
 
-def _rows(text: str, form: OrientationFormat) -> tuple[list[OrientationRow], list[BadLine]]:
+def _rows(text: str, form: OrientationTableFormat) -> tuple[list[OrientationRow], list[BadLine]]:
     rows: list[OrientationRow] = []
     bad: list[BadLine] = []
     seen: set[str] = set()
@@ -205,19 +205,19 @@ def _rows(text: str, form: OrientationFormat) -> tuple[list[OrientationRow], lis
     return rows, bad
 
 
-def _cell(row: Sequence[str], form: OrientationFormat, key: str) -> str:
+def _cell(row: Sequence[str], form: OrientationTableFormat, key: str) -> str:
     index = form.table.columns.get(key, -1)
     return row[index] if 0 <= index < len(row) else ""
 
 
-def read_orientation_table(path: Path, camera: Camera, form: OrientationFormat | None = None) -> Read:
+def read_orientation_table(path: Path, camera: Camera, form: OrientationTableFormat | None = None) -> Read:
     """Read a table; all photos have the camera given.
 
     Parameters
     ----------
     path : Path
     camera : Camera
-    form : OrientationFormat or None
+    form : OrientationTableFormat or None
         None to guess it; the guesses are then among the remarks.
 
     Raises
