@@ -15,6 +15,7 @@ from pathlib import Path
 from graphos_core import __version__
 from graphos_core.adjustment_options import add_compare, add_report
 from graphos_core.calibrate_options import add_calibrate
+from graphos_core.convert_commands import add_convert, convert
 
 LENSES = ("perspective", "fisheye-equidistant", "fisheye-equisolid", "spherical")
 STAGES = ("preprocessing", "features", "adjustment", "dense", "quality")
@@ -96,6 +97,7 @@ def build_parser() -> argparse.ArgumentParser:
     add_report(words)
     add_compare(words)
 
+    add_convert(words)
     words.add_parser("list", help="algorithms by room and role")
     describe = words.add_parser("describe", help="parameter sheet of an algorithm")
     describe.add_argument("algorithm", help="room.algorithm or algorithm, such as features.sift")
@@ -183,6 +185,8 @@ def _dispatch(options: argparse.Namespace) -> int:
         if code == DONE and not options.no_window and commands.has_display():
             return open_window(commands.demo_folder(options))
         return code
+    if options.word == "convert":
+        return convert(options)
     if options.word == "compare":
         return {"runs": adjustment_commands.compare_runs}[options.thing](options)
     function = {

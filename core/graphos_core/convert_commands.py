@@ -18,17 +18,25 @@ KINDS = ("camera", "orientation", "tiepoints", "formats")
 
 def add_convert(words: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the word ``convert`` to the command line."""
-    convert = words.add_parser("convert", help="camera, orientation or tie points to another program's format")
+    convert = words.add_parser(
+        "convert", help="camera, orientation or tie points to another program's format"
+    )
     kinds = convert.add_subparsers(dest="kind", metavar="|".join(KINDS), required=True)
     camera = _kind(kinds, "camera", "calibration of a camera, with what the conversion costs in px")
-    camera.add_argument("--size", type=_size, metavar="WIDTH,HEIGHT", help="format in px, for files that do not tell it")
+    camera.add_argument(
+        "--size", type=_size, metavar="WIDTH,HEIGHT", help="format in px, for files that do not tell it"
+    )
     camera.add_argument("--pixel-mm", type=float, help="pixel size in mm, for formats in millimetres")
     camera.add_argument("--model", default="", help="camera model of this program between the two")
-    orientation = _kind(kinds, "orientation", "orientations with cameras and points where the format has them")
+    orientation = _kind(
+        kinds, "orientation", "orientations with cameras and points where the format has them"
+    )
     orientation.add_argument("--camera", type=Path, help="camera file, for formats without cameras")
     orientation.add_argument("--angles", default="omega phi kappa", metavar="ORDER", help="order of written angles: "
                              "'omega phi kappa', 'phi omega kappa' or 'yaw pitch roll'")  # fmt: skip
-    orientation.add_argument("--angle-unit", choices=("deg", "gon", "rad"), default="deg", help="unit of written angles")
+    orientation.add_argument(
+        "--angle-unit", choices=("deg", "gon", "rad"), default="deg", help="unit of written angles"
+    )
     _kind(kinds, "tiepoints", "tie points: image points and which belong together")
     kinds.add_parser("formats", help="list the formats and what each can hold")
 
@@ -40,7 +48,9 @@ def _kind(
     parser.add_argument("source", type=Path, metavar="IN", help="file or folder to read")
     parser.add_argument("target", type=Path, metavar="OUT", help="file or folder to write")
     parser.add_argument("--to", required=True, metavar="FORMAT", help="see graphos convert formats")
-    parser.add_argument("--from", default="", dest="of", metavar="FORMAT", help="format of IN (default: recognised)")
+    parser.add_argument(
+        "--from", default="", dest="of", metavar="FORMAT", help="format of IN (default: recognised)"
+    )
     return parser
 
 
@@ -67,11 +77,13 @@ def _frame(options: argparse.Namespace) -> Format | None:
 
     if options.pixel_mm is not None and not 0 < options.pixel_mm < 1:
         raise UserError(
-            Text("A pixel size of {mm} mm is not possible.", mm=options.pixel_mm), todo="Give millimetres, such as 0.0048."
+            Text("A pixel size of {mm} mm is not possible.", mm=options.pixel_mm),
+            todo="Give millimetres, such as 0.0048.",
         )
     if options.size is None:
         return Format(1, 1, options.pixel_mm) if options.pixel_mm is not None else None
-    return Format(*options.size, options.pixel_mm)
+    width, height = options.size
+    return Format(width, height, options.pixel_mm)
 
 
 def _camera(options: argparse.Namespace) -> list[str]:
@@ -79,7 +91,9 @@ def _camera(options: argparse.Namespace) -> list[str]:
 
     done = convert_camera(options.source, options.target, options.to, of=options.of, frame=_frame(options),
                           model=options.model)  # fmt: skip
-    lines = [Text("{source} → {target}: {file}", source=done.source, target=done.target, file=done.file)]
+    lines: list[str] = [
+        Text("{source} → {target}: {file}", source=done.source, target=done.target, file=done.file)
+    ]
     if exact(done):
         lines.append(Text("Exact: largest difference {px:.1e} px over the format.", px=done.max_px))
     else:
@@ -89,7 +103,7 @@ def _camera(options: argparse.Namespace) -> list[str]:
             worst=done.max_px, rms=done.rms_px, count=len(done.pixels), lost=done.without_image,
         ))  # fmt: skip
         lines += list(done.remarks)
-    return [str(line) for line in lines]
+    return lines
 
 
 def _orientation(options: argparse.Namespace) -> list[str]:

@@ -114,7 +114,12 @@ def write_tie_points(points: TiePoints, path: Path, name: str) -> tuple[Path, ..
 
 
 def from_observations(
-    photos: tuple[str, ...], point: Array, photo: Array, xy: Array, colours: Array | None = None, lost: int = 0
+    photos: tuple[str, ...],
+    point: Array,
+    photo: Array,
+    xy: Array,
+    colours: Array | None = None,
+    lost: int = 0,
 ) -> TiePoints:
     """Return tie points from observations; points seen once or twice in one photo are left out and counted.
 
@@ -151,7 +156,9 @@ def from_observations(
     )  # fmt: skip
     remarks = []
     if conflicts:
-        remarks.append(Text("{count} points were left out: they have two positions in one photo.", count=conflicts))
+        remarks.append(
+            Text("{count} points were left out: they have two positions in one photo.", count=conflicts)
+        )
     single = int((rays == 1).sum())
     if single:
         remarks.append(Text("{count} points were left out: they are seen in one photo only.", count=single))
@@ -163,7 +170,9 @@ def _read_table(path: Path) -> TiePoints:
     rows = list(csv.reader(io.StringIO("\n".join(lines))))
     head = [cell.casefold().split("[")[0].strip() for cell in rows[0]] if rows else []
     if not {"point", "photo", "x", "y"} <= set(head):
-        raise not_such(path, "a table of tie points", "Its first line must name the columns point, photo, x, y.")
+        raise not_such(
+            path, "a table of tie points", "Its first line must name the columns point, photo, x, y."
+        )
     at = [head.index(name) for name in ("point", "photo", "x", "y")]
     numbers: dict[str, int] = {}
     photos: dict[str, int] = {}
@@ -178,7 +187,9 @@ def _read_table(path: Path) -> TiePoints:
             raise bad_line(path, n, ",".join(row), "point, photo and two numbers") from None
         point.append(numbers.setdefault(name, len(numbers)))
         photo.append(photos.setdefault(where, len(photos)))
-    return from_observations(tuple(photos), np.array(point, dtype=int), np.array(photo, dtype=int), np.array(xy).reshape(-1, 2))
+    return from_observations(
+        tuple(photos), np.array(point, dtype=int), np.array(photo, dtype=int), np.array(xy).reshape(-1, 2)
+    )
 
 
 def _write_table(points: TiePoints, path: Path) -> tuple[Path, ...]:
@@ -218,7 +229,9 @@ def _read_micmac(folder: Path) -> TiePoints:
             "There is no file PastisPHOTO/PHOTO.txt in it; binary .dat files are not read.",
             "Write them as text: option ExpTxt=1 of Tapioca.",
         )  # fmt: skip
-    names = sorted({f.parent.name.removeprefix(PREFIX) for f in files} | {f.name.removesuffix(".txt") for f in files})
+    names = sorted(
+        {f.parent.name.removeprefix(PREFIX) for f in files} | {f.name.removesuffix(".txt") for f in files}
+    )
     place = {name: i for i, name in enumerate(names)}
     pairs: list[tuple[Key, Key]] = []
     for file in files:
@@ -229,7 +242,9 @@ def _read_micmac(folder: Path) -> TiePoints:
             try:
                 xa, ya, xb, yb = finite(line.split()[:4])
             except ValueError:
-                raise bad_line(file, n, line, "four numbers: x y in the first photo, x y in the second") from None
+                raise bad_line(
+                    file, n, line, "four numbers: x y in the first photo, x y in the second"
+                ) from None
             pairs.append(((first, xa, ya), (second, xb, yb)))
     return _join(tuple(names), pairs)
 
@@ -274,7 +289,11 @@ def _write_colmap(points: TiePoints, folder: Path) -> tuple[Path, ...]:
         write_text(files[-1], "\n".join([f"{len(mine)} 128", *lines]) + "\n")
     out = []
     for (a, b), rows in sorted(_pairs(points).items()):
-        out += [f"{points.photos[a]} {points.photos[b]}", *(f"{t.feature[i]} {t.feature[j]}" for i, j in rows), ""]
+        out += [
+            f"{points.photos[a]} {points.photos[b]}",
+            *(f"{t.feature[i]} {t.feature[j]}" for i, j in rows),
+            "",
+        ]
     files.append(folder / "matches.txt")
     write_text(files[-1], "\n".join(out) + "\n")
     return tuple(files)
@@ -326,9 +345,13 @@ def _read_database(path: Path) -> TiePoints:
             names = dict(database.execute("SELECT image_id, name FROM images ORDER BY image_id"))
             raw = {i: (rows, columns, blob) for i, rows, columns, blob in
                    database.execute("SELECT image_id, rows, cols, data FROM keypoints")}  # fmt: skip
-            verified = list(database.execute("SELECT pair_id, rows, data FROM two_view_geometries WHERE rows > 0"))
+            verified = list(
+                database.execute("SELECT pair_id, rows, data FROM two_view_geometries WHERE rows > 0")
+            )
     except sqlite3.Error as problem:
-        raise not_such(path, "a database of COLMAP", Text("The database says: {why}.", why=problem)) from problem
+        raise not_such(
+            path, "a database of COLMAP", Text("The database says: {why}.", why=problem)
+        ) from problem
     try:
         place = {number: i for i, number in enumerate(names)}
         xy = {i: np.frombuffer(blob, dtype=np.float32).reshape(rows, columns)[:, :2].astype(np.float64) - HALF
@@ -338,7 +361,11 @@ def _read_database(path: Path) -> TiePoints:
             first, second = divmod(int(number), PAIR_BASE)
             for i, j in np.frombuffer(blob, dtype=np.uint32).reshape(rows, 2).tolist():
                 a, b = xy[first][i], xy[second][j]
-                pairs.append(((place[first], float(a[0]), float(a[1])), (place[second], float(b[0]), float(b[1]))))
+                pairs.append(
+                    ((place[first], float(a[0]), float(a[1])), (place[second], float(b[0]), float(b[1])))
+                )
     except (ValueError, KeyError, IndexError, TypeError) as problem:
-        raise not_such(path, "a database of COLMAP", "Its keypoints and matches do not belong together.") from problem
+        raise not_such(
+            path, "a database of COLMAP", "Its keypoints and matches do not belong together."
+        ) from problem
     return _join(tuple(names.values()), pairs)

@@ -86,9 +86,7 @@ def test_what_the_target_cannot_express_is_reported_as_it_is(tmp_path, name, to)
     there = convert_camera(tmp_path / "own.toml", tmp_path / "their.file", to)
     assert not exact(there)
     if name == "fish-eye":  # MicMac's ends at 90° from the axis: exact there, nothing beyond
-        assert (
-            there.max_px < 1e-6 and there.without_image > 50 and "cannot be expressed" in there.remarks[-1]
-        )
+        assert there.max_px < 1e-6 and there.without_image > 50 and "cannot be expressed" in there.remarks[-1]
         return
     assert 1e-6 < there.max_px < 30 and "approximated" in there.remarks[-1]
     found = read_any_camera(tmp_path / "their.file", to, FRAME)
