@@ -18,12 +18,12 @@ key                    meaning
                        ``unusable[]`` (files that could not be read, ``name``, ``reason``)
 ``cameras[]``          ``label, model, model_label, direction, width, height`` (px); ``pixel_pitch_mm``; ``focal_px``;
                        ``focal_estimated`` (true while the principal distance is a guess that no adjustment improved);
-                       ``focal_source``; ``parameters[]`` with ``name, symbol, label, unit, value, sigma`` (sigma null where
-                       the parameter was not estimated) and, where tested, ``t, limit, significant, correlation,
+                       ``focal_source``; ``pre_corrections[]`` (fixed, applied first); ``parameters[]`` with ``name, symbol,
+                       label, unit, value, sigma`` (null where it was not estimated), ``reason`` (why it usually is not) and, where tested, ``t, limit, significant, correlation,
                        correlated_with`` (largest correlation with another unknown of the camera); ``correlations``:
                        ``names, symbols, matrix`` of the estimated parameters; ``profile``: radial distortion,
-                       ``radius_px``, ``gaussian`` and ``balanced`` each with ``focal_px, shift_px, sigma_px`` per radius,
-                       ``note``; ``projection_uncertainty``: ``columns_px, rows_px, sigma_px`` (rows of columns), ``note``
+                       ``radius_px``, ``gaussian`` and ``balanced`` each with ``focal_px, shift_px, sigma_px`` per radius (σ
+                       null without covariance), ``note``; ``projection_uncertainty``: ``columns_px, rows_px, sigma_px`` (rows of columns), ``note``
 ``matching``           ``keypoints`` per photo; ``pairs_tried, pairs_verified``; ``tracks``; ``components`` (photos per
                        group of the image graph, largest first)
 ``orientation``        ``points``; ``observations`` (image points, two coordinates each); ``scalar_observations`` (all

@@ -48,8 +48,11 @@ def profile_picture(profile: dict[str, Any], label: str) -> Picture:
     curves = []
     for key, title, colour in (("gaussian", Text("Gaussian"), BLUE), ("balanced", Text("balanced"), ORANGE)):
         shift = np.array(profile[key]["shift_px"], dtype=np.float64)
-        sigma = np.array([0.0 if s is None else s for s in profile[key]["sigma_px"]], dtype=np.float64)
-        curves.append((shift, CONFIDENCE * sigma, title, colour))
+        known = profile[key]["sigma_px"]
+        sigma = np.zeros(len(shift)) if known is None else np.array(known, dtype=np.float64)
+        focal = format_number(profile[key]["focal_px"], digits=6)
+        label_of = Text("{title}, f = {f} px (band: 95 %)", title=title, f=focal)
+        curves.append((shift, CONFIDENCE * np.nan_to_num(sigma), label_of, colour))
     low = min(float(np.nanmin(s - half)) for s, half, _, _ in curves)
     high = max(float(np.nanmax(s + half)) for s, half, _, _ in curves)
     room = 0.08 * (high - low) or 1.0
@@ -58,7 +61,7 @@ def profile_picture(profile: dict[str, Any], label: str) -> Picture:
                 Axis(low - room, high + room, Text("Δr [px]")), alt, height=320)  # fmt: skip
     for shift, half, title, colour in curves:
         plot.band(radius, shift - half, shift + half, "", colour)
-        plot.line(radius, shift, Text("{title} (band: 95 %)", title=title), colour, weight=2)
+        plot.line(radius, shift, title, colour, weight=2)
     return Picture(alt, svg=plot.svg(), caption=profile["note"])
 
 

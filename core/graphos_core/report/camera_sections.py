@@ -25,7 +25,7 @@ def cameras_section(report: dict[str, Any], adjustment: Adjustment) -> Section:
     parts: list[Part] = []
     for index, camera in enumerate(report["cameras"]):
         label = camera["label"] or Text("Camera {n}", n=index + 1)
-        parts += [_parameters(camera, label), *_remarks(camera)]
+        parts += [_parameters(camera, label), *_reasons(camera), *_remarks(camera)]
         if index < MOST_CAMERAS:
             parts += _pictures(camera, label)
             averaged = sensor_picture(adjustment, index)
@@ -57,9 +57,11 @@ def _parameters(camera: dict[str, Any], label: str) -> Table:
     pitch = camera["pixel_pitch_mm"]
     sensor = "" if not pitch else Text(", pixel {p} mm, f = {f} mm", p=format_number(pitch, digits=3),
                                        f=format_number(pitch * camera["focal_px"], digits=5))  # fmt: skip
-    note = Text("Model: {model} ({direction}), {width} × {height} px{sensor}. Principal distance: {source}.",
+    before = "" if not camera["pre_corrections"] else Text(
+        " Fixed pre-corrections: {names}.", names=", ".join(camera["pre_corrections"]))  # fmt: skip
+    note = Text("Model: {model} ({direction}), {width} × {height} px{sensor}. Principal distance: {source}.{before}",
                 model=camera["model_label"], direction=camera["direction"], width=camera["width"],
-                height=camera["height"], sensor=sensor, source=str(camera["focal_source"]).rstrip(".") or "given",
+                height=camera["height"], sensor=sensor, before=before, source=str(camera["focal_source"]).rstrip(".") or "given",
                 )  # fmt: skip
     if tested:
         note = Text("{note} t: |value − tested value| / σ, where the tested value is 0, of the principal distance and "
@@ -67,6 +69,11 @@ def _parameters(camera: dict[str, Any], label: str) -> Table:
                     limit=format_number(next(p["limit"] for p in camera["parameters"] if p["t"] is not None), digits=3),
                     )  # fmt: skip
     return Table(heads, rows, left=3, title=label, note=note)
+
+
+def _reasons(camera: dict[str, Any]) -> list[Part]:
+    held = [f"{p['label']}: {p['reason']}" for p in camera["parameters"] if not p["sigma"] and p["reason"]]
+    return [Paragraph(Text("Held fixed. {reasons}", reasons=" ".join(held)), soft=True)] if held else []
 
 
 def _test(p: dict[str, Any]) -> list[str]:

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from graphos_core.cameras import camera_model, pixel_from_ray, ray_from_pixel
+from graphos_core.cameras.model import Parameter
 from graphos_core.data import Array, Block, Camera
 from graphos_core.run_comparison.records import CalibrationDifference, CameraParameterDifference
 from graphos_core.text import Text
@@ -36,30 +37,34 @@ def camera_differences(
 
 
 def _camera(label: str, a: Camera, b: Camera) -> list[CameraParameterDifference]:
-    declared = {p.name: p for camera in (a, b) for p in camera_model(camera.model).parameters}
+    declared = {_meaning(camera, p): p for camera in (a, b) for p in camera_model(camera.model).parameters}
     rows = []
-    for name, parameter in declared.items():
-        one, sigma_one = _value(a, name)
-        two, sigma_two = _value(b, name)
+    for meaning, parameter in declared.items():
+        one, sigma_one = _value(a, meaning)
+        two, sigma_two = _value(b, meaning)
         difference = None if one is None or two is None else two - one
         sigma = math.hypot(sigma_one or 0.0, sigma_two or 0.0) or None
         significant = None if difference is None or sigma is None else abs(difference) > LIMIT * sigma
         rows.append(
             CameraParameterDifference(
-                label, name, parameter.symbol, parameter.label, parameter.unit, one, sigma_one, two, sigma_two,
+                label, parameter.name, parameter.symbol, parameter.label, parameter.unit, one, sigma_one, two, sigma_two,
                 difference, sigma, significant,
             )
         )  # fmt: skip
     return rows
 
 
-def _value(camera: Camera, name: str) -> tuple[float | None, float | None]:
-    model = camera_model(camera.model)
-    if name not in model.names:
-        return None, None
-    index = model.index(name)
-    sigma = 0.0 if camera.sigmas is None else float(camera.sigmas[index])
-    return float(camera.values[index]), sigma if sigma > 0 else None
+def _meaning(camera: Camera, parameter: Parameter) -> str:
+    """Return what a parameter means in every model that has it; its own name with that of the model in no other."""
+    return parameter.meaning or f"{camera.model}.{parameter.name}"
+
+
+def _value(camera: Camera, meaning: str) -> tuple[float | None, float | None]:
+    for index, parameter in enumerate(camera_model(camera.model).parameters):
+        if _meaning(camera, parameter) == meaning:
+            sigma = 0.0 if camera.sigmas is None else float(camera.sigmas[index])
+            return float(camera.values[index]), sigma if sigma > 0 else None
+    return None, None
 
 
 def calibration_difference(a: Camera, b: Camera) -> Array:
