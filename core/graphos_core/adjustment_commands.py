@@ -7,13 +7,92 @@ import json
 from importlib.metadata import entry_points
 from pathlib import Path
 
+from graphos_core.commands import console, make_project, print_summary, run_pipeline
 from graphos_core.errors import UserError
 from graphos_core.outputs import check_writable
-from graphos_core.project_file import FILE
-from graphos_core.store import write_bytes, write_text
+from graphos_core.pipeline import Pipeline
+from graphos_core.project_file import FILE, read_settings
+from graphos_core.recipe import Recipe
+from graphos_core.report import build_report
+from graphos_core.store import Store, write_bytes, write_text
 from graphos_core.text import Text
 
 PAGE = "report.html"
+
+KEPT_STEPS = ("images", "keypoints", "matches", "orientation")
+"""Steps whose results an adjustment starts from."""
+
+
+def adjust(options: argparse.Namespace) -> int:
+    """``graphos adjust``: take features and orientation of a project or run, adjust again into a project of its own."""
+    check_writable(options.out)
+    recipe, source = adjustment_recipe(options), _project_folder(options.source)
+    progress = console(options, recipe.seed)
+    options = argparse.Namespace(
+        **(
+            dict.fromkeys(("focal_px", "principal_point", "lens", "camera", "distance", "reference"))
+            | vars(options)
+        )
+    )
+    options.source = source
+    project = make_project(options, recipe.seed, progress)
+    pipeline = Pipeline(project, recipe)
+    results = Store(source / "results")
+    taken = [step for step in KEPT_STEPS if project.store.take_over(results, step, pipeline.key(step))]
+    if "matches" not in taken:
+        raise UserError(
+            Text("{name} has no features to adjust with this recipe and seed.", name=source),
+            "Its stored matches were made with other parameters, or were deleted.",
+            "Run it as far as the features first, or take the recipe of one of its runs.",
+        )
+    if "orientation" not in taken:
+        progress.say(
+            Text("The orientation is computed again: its parameters are not those of a stored result.")
+        )
+    folder = run_pipeline(pipeline, "adjustment", progress)
+    print_summary(build_report(pipeline), folder)
+    return 0
+
+
+def adjustment_recipe(options: argparse.Namespace) -> Recipe:
+    """Return the recipe of the source with the adjustment room of the given one, and what the options set.
+
+    Raises
+    ------
+    ParamError, UserError
+        For a value or an assignment that is not possible, or one that belongs to a room whose results are kept.
+    """
+    folder = options.source.parent if options.source.name == FILE else options.source
+    stored = folder / "recipe.toml"
+    recipe = (
+        Recipe.load(stored)
+        if stored.is_file()
+        else Recipe.default(read_settings(_project_folder(folder)).seed)
+    )
+    if options.recipe is not None:
+        recipe = recipe.with_room_of(Recipe.load(options.recipe), "adjustment")
+    if options.seed is not None:
+        recipe = recipe.with_seed(options.seed)
+    if options.calibration is not None:
+        (bundle,) = recipe.chosen("adjustment", "bundle")
+        recipe = recipe.set(f"adjustment.{bundle}.calibration={options.calibration}")
+    for assignment in options.assignments:
+        if not assignment.startswith("adjustment."):
+            raise UserError(
+                Text("“{text}” is not of the adjustment room.", text=assignment),
+                "An adjustment that starts from stored features keeps them as they are.",
+                "Use graphos run to compute other features.",
+            )
+        recipe = recipe.set(assignment)
+    return recipe
+
+
+def _project_folder(path: Path) -> Path:
+    """Return the project folder of a project, its file, or one of its runs."""
+    folder = path.parent if path.name == FILE else path
+    if not (folder / FILE).is_file() and (folder.resolve().parent.parent / FILE).is_file():
+        return folder.resolve().parent.parent
+    return folder
 
 
 def compare_runs(options: argparse.Namespace) -> int:

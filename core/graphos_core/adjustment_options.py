@@ -1,7 +1,9 @@
-"""The options of ``graphos report`` and ``graphos compare``."""
+"""The options of ``graphos adjust``, ``graphos report`` and ``graphos compare``."""
 
 from __future__ import annotations
 
+import argparse
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -28,3 +30,27 @@ def add_compare(words: Any) -> None:
     runs.add_argument("a", type=Path, metavar="A", help="project, run (MODEL/runs/0001) or stored result")
     runs.add_argument("b", type=Path, metavar="B", help="the same; differences are B − A")
     runs.add_argument("--out", type=Path, help="folder for comparison.json and comparison.html")
+
+
+def add_adjust(words: Any, common: Callable[[argparse.ArgumentParser], None]) -> None:
+    """Add the word ``adjust`` to the command line."""
+    adjust = words.add_parser(
+        "adjust", help="adjust a project or run again, with another recipe, control or calibration"
+    )
+    adjust.add_argument(
+        "source", type=Path, metavar="PROJECT_OR_RUN",
+        help="folder of a project, or of one of its runs; photos, features and orientation are taken from there",
+    )  # fmt: skip
+    adjust.add_argument("--out", type=Path, required=True, help="folder for results; it becomes a project")
+    adjust.add_argument("--recipe", type=Path, help="recipe file (TOML); its adjustment room is used")
+    adjust.add_argument(
+        "--set", action="append", default=[], metavar="ROOM.ALGORITHM.PARAMETER=VALUE", dest="assignments",
+        help="set a parameter of the adjustment room; may be repeated",
+    )  # fmt: skip
+    adjust.add_argument(
+        "--control", type=Path, help="control points (CSV); measurements in NAME_measurements.csv beside it"
+    )
+    adjust.add_argument(
+        "--calibration", metavar="MODEL", help="what the self-calibration estimates: fixed, basic, …; an unknown name lists all"
+    )  # fmt: skip
+    common(adjust)

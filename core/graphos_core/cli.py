@@ -13,7 +13,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 from graphos_core import __version__
-from graphos_core.adjustment_options import add_compare, add_report
+from graphos_core.adjustment_options import add_adjust, add_compare, add_report
 from graphos_core.calibrate_options import add_calibrate
 from graphos_core.convert_commands import add_convert, convert
 
@@ -94,6 +94,7 @@ def build_parser() -> argparse.ArgumentParser:
     _common(run)
 
     add_calibrate(words, _common)
+    add_adjust(words, _common)
     add_report(words)
     add_compare(words)
 
@@ -190,6 +191,7 @@ def _dispatch(options: argparse.Namespace) -> int:
     if options.word == "compare":
         return {"runs": adjustment_commands.compare_runs}[options.thing](options)
     function = {
+        "adjust": adjustment_commands.adjust,
         "report": adjustment_commands.report,
         "simulate": commands.simulate,
         "run": commands.run,

@@ -35,10 +35,10 @@ def run(options: argparse.Namespace) -> int:
     check_writable(options.out)
     recipe = _recipe(options)
     progress = console(options, recipe.seed)
-    project = _project(options, recipe.seed, progress)
+    project = make_project(options, recipe.seed, progress)
     pipeline = Pipeline(project, recipe)
     folder = run_pipeline(pipeline, cast(Stage, options.until), progress)
-    _print_summary(build_report(pipeline), folder)
+    print_summary(build_report(pipeline), folder)
     return 0
 
 
@@ -92,7 +92,8 @@ def _recipe_of(source: Path) -> Recipe:
     return Recipe.load(last) if last.is_file() else Recipe.default(read_settings(folder).seed)
 
 
-def _project(options: argparse.Namespace, seed: int, progress: Run) -> Project:
+def make_project(options: argparse.Namespace, seed: int, progress: Run) -> Project:
+    """Make the project in ``options.out`` from photos or from another project, or change the one that is there."""
     settings: dict[str, Any] = {
         "focal_px": options.focal_px, "principal_point": options.principal_point, "distance": options.distance,
         "lens": options.lens,
@@ -133,7 +134,8 @@ def _control(options: argparse.Namespace) -> dict[str, Any]:
     return {"control": options.control} if options.control is not None else {}
 
 
-def _print_summary(report: dict[str, Any], folder: Path) -> None:
+def print_summary(report: dict[str, Any], folder: Path) -> None:
+    """Print the figures that sum a run up."""
     images, orientation, dense = report["images"], report["orientation"], report["dense"]
     rows = [("Photos oriented", f"{images['oriented']} of {images['total']}")]
     if orientation:

@@ -137,6 +137,14 @@ class Recipe:
                 )
         return dataclasses.replace(self, choices={**self.choices, (stage, role): names})
 
+    def with_room_of(self, other: Recipe, stage: str) -> Recipe:
+        """Return a recipe with the choices and parameters of one room of another recipe."""
+        choices = {k: v for k, v in self.choices.items() if k[0] != stage}
+        sheets = {k: v for k, v in self.sheets.items() if k[0] != stage}
+        choices |= {k: v for k, v in other.choices.items() if k[0] == stage}
+        sheets |= {k: v for k, v in other.sheets.items() if k[0] == stage}
+        return dataclasses.replace(self, choices=choices, sheets=sheets)
+
     def with_params(self, stage: str, name: str, params: Params) -> Recipe:
         """Return a recipe with another parameter sheet for an algorithm."""
         sheets = {**self.sheets, (stage, name): params}

@@ -233,6 +233,28 @@ class Store:
                 "Run the stage again; delete the damaged result to free its space.",
             ) from problem
 
+    def take_over(self, other: Store, stage: str, key: str) -> bool:
+        """Put a result of another store into this one and say whether it is there now; nothing is computed.
+
+        Files are linked where the file system can, for results are never written to again, else copied.
+
+        Raises
+        ------
+        UserError
+            When the folder cannot be written or the disk is full.
+        """
+        if self.has(stage, key) or not other.has(stage, key):
+            return self.has(stage, key)
+        folder, target = self.begin(stage), self.path(stage, key)
+        try:
+            shutil.rmtree(folder)
+            shutil.copytree(other.path(stage, key), folder, copy_function=_link_or_copy)
+            folder.replace(target)
+        except OSError as problem:
+            shutil.rmtree(folder, ignore_errors=True)
+            raise cannot_write(target, problem) from problem
+        return True
+
     def about(self, stage: str, key: str) -> dict[str, Any]:
         """Return what produced a result; empty when unreadable."""
         try:
@@ -261,6 +283,13 @@ class Store:
         for part in self.folder.glob("*/.*.part"):
             if not _is_running(part):
                 shutil.rmtree(part, ignore_errors=True)
+
+
+def _link_or_copy(source: str, target: str) -> None:
+    try:
+        os.link(source, target)
+    except OSError:
+        shutil.copy2(source, target)
 
 
 def _is_running(part: Path) -> bool:
