@@ -1,6 +1,6 @@
 """Compiled loops of the bundle adjustment: normal equations with the object points eliminated, point by point.
 
-Residual ``v = projected − measured``. Unknowns of a photo: a small rotation ω about the camera's axes
+Residual ``v = projected − measured``; for backward camera models in the corrected picture. Unknowns of a photo: a small rotation ω about the camera's axes
 (``R ← exp(ω) R``) and the projection centre C. With ``p = R (X − C)`` and ``D = ∂pixel/∂p``::
 
     ∂v/∂ω = −D [p]×      ∂v/∂C = −D R      ∂v/∂X = D R
@@ -164,6 +164,8 @@ def linearise(
         c = layout.camera[n]
         px, py, pz = in_camera(scene, n, i)
         side = -1.0 if pz < 0.0 and not rules.guard else 1.0
+        pixel[0] = layout.xy[o, 0]  # backward models correct it, forward models overwrite it
+        pixel[1] = layout.xy[o, 1]
         seen[k] = project(
             layout.codes[c], scene.values[c], side * px, side * py, side * pz, pixel, slope, inner
         )

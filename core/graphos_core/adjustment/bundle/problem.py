@@ -293,7 +293,7 @@ def _layout(block: Block, freedom: Freedom, photo: Array) -> tuple[Layout, int]:
     photo_column = np.cumsum(width) - width
     shared = np.where(photos_of_camera > 1, free_count, 0)
     camera_column = np.where(shared > 0, width.sum() + np.cumsum(shared) - shared, -1)
-    codes = np.array([camera_model(camera.model).code for camera in block.cameras], dtype=np.int64)
+    codes = np.array([camera_model(camera.model).residual_code for camera in block.cameras], dtype=np.int64)
     nothing = np.empty(0, dtype=np.int64)
     layout = Layout(
         codes, camera, nothing, nothing, np.empty((0, 2)), np.empty(0), np.empty(0, dtype=bool), nothing,

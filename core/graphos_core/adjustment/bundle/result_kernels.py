@@ -23,6 +23,8 @@ def residuals(scene: Scene, layout: Layout, rules: Rules, out: Array, weights: A
             c = layout.camera[n]
             px, py, pz = in_camera(scene, n, i)
             side = -1.0 if pz < 0.0 and not rules.guard else 1.0
+            pixel[0] = layout.xy[o, 0]  # backward models correct it, forward models overwrite it
+            pixel[1] = layout.xy[o, 1]
             if project(
                 layout.codes[c], scene.values[c], side * px, side * py, side * pz, pixel, slope, inner
             ):

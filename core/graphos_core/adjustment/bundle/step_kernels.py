@@ -39,6 +39,8 @@ def cost_of_point(
         c = layout.camera[n]
         px, py, pz = in_camera(scene, n, i)
         side = -1.0 if pz < 0.0 and not rules.guard else 1.0
+        pixel[0] = layout.xy[o, 0]  # backward models correct it, forward models overwrite it
+        pixel[1] = layout.xy[o, 1]
         if not project(
             layout.codes[c], scene.values[c], side * px, side * py, side * pz, pixel, slope, inner
         ):
@@ -78,6 +80,8 @@ def _sum_point(
         c = layout.camera[n]
         px, py, pz = in_camera(scene, n, i)
         side = -1.0 if pz < 0.0 and not rules.guard else 1.0
+        pixel[0] = layout.xy[o, 0]  # backward models correct it, forward models overwrite it
+        pixel[1] = layout.xy[o, 1]
         seen[k] = project(
             layout.codes[c], scene.values[c], side * px, side * py, side * pz, pixel, slope, inner
         )
