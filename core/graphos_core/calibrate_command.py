@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 
 from graphos_core.adjustment.calibration.calibrate import CalibrateParams, Calibration, calibrate_camera
+from graphos_core.adjustment.calibration.drawing import draw_target, target_svg
+from graphos_core.adjustment.calibration.target import TargetParams
 from graphos_core.calibration_pictures import coverage_figure, png_bytes, residual_figure
 from graphos_core.calibration_report import calibration_html, calibration_report
 from graphos_core.data import Adjustment
@@ -54,6 +56,18 @@ def calibrate(options: argparse.Namespace) -> int:
     print(f"{'Photos with the target':34} {report['images']['oriented']} of {report['images']['total']}")
     print(f"{'Reprojection RMS (per coordinate)':34} {rms:.3f} px")
     print(f"{'Report':34} {options.out / 'report.html'}")
+    return 0
+
+
+def target(options: argparse.Namespace) -> int:
+    """``graphos target``: a test field as SVG in true scale."""
+    drawing = draw_target(TargetParams.from_dict(sheet_of(options, TargetParams)))
+    check_writable(options.out.absolute().parent)
+    write_text(options.out, target_svg(drawing))
+    x0, y0, x1, y1 = drawing.frame
+    print(
+        f"{options.out}: {x1 - x0:g} × {y1 - y0:g} mm and a line of text; print at 100 % and measure the line"
+    )
     return 0
 
 

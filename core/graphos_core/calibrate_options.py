@@ -11,7 +11,8 @@ KINDS = ("chessboard", "circles", "aruco")
 
 
 def add_calibrate(words: Any, common: Callable[[argparse.ArgumentParser], None]) -> None:
-    """Add ``calibrate`` to the words of the command line."""
+    """Add ``calibrate`` and ``target`` to the words of the command line."""
+    _add_target(words)
     word = words.add_parser("calibrate", help="photos of a test field to a calibrated camera and report")
     word.add_argument(
         "photos", type=Path, nargs="+", metavar="PHOTOS", help="folder of photos, or the photos themselves"
@@ -36,6 +37,16 @@ def add_calibrate(words: Any, common: Callable[[argparse.ArgumentParser], None])
     )
     word.add_argument("--circle-mm", metavar="D", help="diameter of the circles (default: from the photos)")
     common(word)
+
+
+def _add_target(words: Any) -> None:
+        word = words.add_parser("target", help="draw a test field to print, as SVG in true scale")
+    word.add_argument("target", choices=KINDS, help="what is printed on the board")
+    _board(word)
+    word.add_argument(
+        "--circle-mm", metavar="D", help="diameter of the circles (default 0.6 of their distance)"
+    )
+    word.add_argument("--out", type=Path, required=True, metavar="FILE.svg", help="file to write")
 
 
 def _board(word: argparse.ArgumentParser) -> None:

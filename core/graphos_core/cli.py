@@ -196,6 +196,7 @@ def _dispatch(options: argparse.Namespace) -> int:
         "simulate": commands.simulate,
         "run": commands.run,
         "calibrate": commands.calibrate,
+        "target": commands.target,
         "list": commands.list_algorithms,
         "describe": commands.describe,
     }[options.word]

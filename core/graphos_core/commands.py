@@ -184,6 +184,13 @@ def calibrate(options: argparse.Namespace) -> int:
     return calibrate_command.calibrate(options)
 
 
+def target(options: argparse.Namespace) -> int:
+    """``graphos target``: a test field to print."""
+    from graphos_core import calibrate_command
+
+    return calibrate_command.target(options)
+
+
 def demo_folder(options: argparse.Namespace) -> Path:
     """Return the folder of the demo's project."""
     out: Path = options.out or Path("demo")

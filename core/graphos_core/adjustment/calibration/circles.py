@@ -15,6 +15,9 @@ ROUNDEST = 0.12
 """How much the area may differ from that of the ellipse with the same moments."""
 FLATTEST = 0.2
 """Smallest ratio of the axes of an ellipse."""
+RING = 2.5
+"""Half width of the ring of pixels round an edge that take part, px."""
+PASSES = 3
 
 
 def find_discs(grey: Array) -> tuple[Array, Array, Array]:
@@ -75,7 +78,17 @@ def _discs_of(grey: Array, mask: Array) -> list[tuple[Array, float, float]]:
         centre, sigma, measured = ellipse_centre(grey, middle, np.linalg.inv(spread), float(small))
         if np.isfinite(sigma) and np.hypot(*(centre - middle)) < 0.5 * large:
             discs.append((centre, sigma, measured))
-    return discs
+    return _without_doubles(discs)
+
+
+def _without_doubles(discs: list[tuple[Array, float, float]]) -> list[tuple[Array, float, float]]:
+    """Keep the surest of the ellipses in one disc: a large disc can come as a ring with two contours."""
+    kept: list[tuple[Array, float, float]] = []
+    for disc in sorted(discs, key=lambda d: d[1]):
+        inside = (np.pi * float(((disc[0] - centre) ** 2).sum()) < area for centre, _, area in kept)
+        if not any(inside):
+            kept.append(disc)
+    return kept
 
 
 def ellipse_centre(grey: Array, middle: Array, shape: Array, small: float) -> tuple[Array, float, float]:
@@ -83,8 +96,9 @@ def ellipse_centre(grey: Array, middle: Array, shape: Array, small: float) -> tu
 
     Each pixel near the edge gives the tangent line ``l = (gx, gy, −gx x − gy y)`` perpendicular to its gradient g; all
     tangents fulfil ``lᵀ C* l = 0`` with the dual conic C*, weighted with the squared gradient; its last column is the
-    centre. One linear least-squares solution, with its covariance (Ouellet and Hébert 2009, Precise ellipse
-    estimation without contour point extraction, Machine Vision and Applications 21).
+    centre. A linear least-squares solution with its covariance (Ouellet and Hébert 2009, Precise ellipse estimation
+    without contour point extraction, Machine Vision and Applications 21), repeated with the pixels near the ellipse
+    that was found.
 
     Parameters
     ----------
@@ -96,39 +110,50 @@ def ellipse_centre(grey: Array, middle: Array, shape: Array, small: float) -> tu
     small : float
         Smaller half axis, px.
     """
+    centre, sigma, area = np.asarray(middle), float("inf"), 0.0
+    for _ in range(PASSES):
+        fitted = _fit(grey, centre, shape, small)
+        if fitted is None:
+            return centre, float("inf"), 0.0
+        centre, sigma, squares = fitted
+        roots = np.linalg.eigvalsh(squares)
+        if roots[0] <= 0.25 or roots[1] > (4.0 * small / FLATTEST) ** 2:
+            return centre, float("inf"), 0.0
+        shape, small = 4.0 * np.linalg.inv(squares), float(np.sqrt(roots[0]))
+        area = np.pi * float(np.sqrt(roots.prod()))
+    return centre, sigma, area
+
+
+def _fit(grey: Array, middle: Array, shape: Array, small: float) -> tuple[Array, float, Array] | None:
+    """Return centre, standard deviation and the matrix of squared half axes (2, 2) of one solution."""
     reach = int(np.ceil(2.0 * float(np.sqrt(np.linalg.inv(shape).diagonal().max())))) + 4
     x0, y0 = (round(float(m)) for m in middle)
     left, top = max(x0 - reach, 1), max(y0 - reach, 1)
     right, bottom = min(x0 + reach, grey.shape[1] - 2), min(y0 + reach, grey.shape[0] - 2)
     if right - left < 4 or bottom - top < 4:
-        return np.asarray(middle), float("inf"), 0.0
+        return None
     window = grey[top - 1 : bottom + 2, left - 1 : right + 2].astype(np.float64)
     gx = 0.5 * (window[1:-1, 2:] - window[1:-1, :-2])
     gy = 0.5 * (window[2:, 1:-1] - window[:-2, 1:-1])
     y, x = np.mgrid[top : bottom + 1, left : right + 1].astype(np.float64)
     x, y = x - middle[0], y - middle[1]
-    distance = 0.5 * np.sqrt(
-        np.maximum(shape[0, 0] * x * x + 2 * shape[0, 1] * x * y + shape[1, 1] * y * y, 0)
-    )
-    outward = gx * (shape[0, 0] * x + shape[0, 1] * y) + gy * (shape[0, 1] * x + shape[1, 1] * y) > 0
-    ring = (np.abs(distance - 1.0) * small <= 2.5) & outward
+    u, v = shape[0, 0] * x + shape[0, 1] * y, shape[0, 1] * x + shape[1, 1] * y
+    distance = 0.5 * np.sqrt(np.maximum(u * x + v * y, 0.0))
+    ring = (np.abs(distance - 1.0) * small <= RING) & (gx * u + gy * v > 0)
     a, b = gx[ring], gy[ring]
     if len(a) < 12:
-        return np.asarray(middle), float("inf"), 0.0
+        return None
     scale = max(small, 1.0)
     c = -(a * x[ring] + b * y[ring]) / scale
     design = np.column_stack([a * a, 2 * a * b, b * b, 2 * a * c, 2 * b * c])
-    normal, right_side = design.T @ design, -design.T @ (c * c)
     try:
-        solution = np.linalg.solve(normal, right_side)
-        cofactor = np.linalg.inv(normal)
+        cofactor = np.linalg.inv(design.T @ design)
     except np.linalg.LinAlgError:
-        return np.asarray(middle), float("inf"), 0.0
+        return None
+    solution = -cofactor @ (design.T @ (c * c))
     residual = design @ solution + c * c
     variance = float((residual**2).sum()) / (len(a) - 5)
     sigma = scale * float(np.sqrt(max(0.5 * variance * (cofactor[3, 3] + cofactor[4, 4]), 0.0)))
-    centre = solution[3:5]
-    # the dual conic about its centre is −(half axes)², so its determinant is that of the area
-    axes = np.outer(centre, centre) - np.array([[solution[0], solution[1]], [solution[1], solution[2]]])
-    area = np.pi * scale**2 * float(np.sqrt(max(np.linalg.det(axes), 0.0)))
-    return middle + scale * centre, sigma, area
+    centre = solution[3:]
+    squares = np.outer(centre, centre) - np.array([[solution[0], solution[1]], [solution[1], solution[2]]])
+    return middle + scale * centre, sigma, scale**2 * squares

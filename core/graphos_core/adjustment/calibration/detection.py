@@ -23,7 +23,7 @@ from graphos_core.text import Text
 
 LEAST_POINTS = 8
 """A photo with fewer measured points is not used."""
-LOOKED_AT = 4
+LOOKED_AT = 3
 """Photos that are looked at to find out what a board is."""
 
 

@@ -164,6 +164,8 @@ def lay_over(target: TargetParams, lattice: Lattice, xy: Array) -> Laid | None:
     """
     best: tuple[int, bool, float] | None = None
     laid: Laid | None = None
+    if len(lattice.index) == 0:
+        return None
     for mirrored in (False, True) if target.layout != "symmetric" else (False,):
         points = target.points(mirrored)[:, :2]
         wanted = board_cells(target, mirrored)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from graphos_core.adjustment.calibration.corners import neighbour_distance, refine_corners
+from graphos_core.adjustment.calibration.corners import WINDOW_SHARE, neighbour_distance, refine_corners
 from graphos_core.adjustment.calibration.target import TargetParams
 from graphos_core.data.record import Array
 from graphos_core.errors import UserError
@@ -16,6 +16,8 @@ from graphos_core.params import unknown_name
 
 DETECTION_SHARE = 0.5
 """Share of the markers that must fit a plane for the board's layout to be believed."""
+RECOGNISE_SIDE = 1200
+"""Longer side of the picture in which the dictionary is recognised, px."""
 FIT_SHARE = 0.25
 """How far a marker's centre may lie from its place on the board, in sides of a square."""
 
@@ -57,7 +59,10 @@ class CodedBoard:
 
 def dictionaries() -> dict[str, int]:
     """Return OpenCV's predefined dictionaries by name."""
-    names = sorted(n for n in dir(cv2.aruco) if n.startswith("DICT_"))
+    names = [n for n in dir(cv2.aruco) if n.startswith("DICT_")]
+    names = sorted(
+        n for n in names if not (n != n.upper() and n.upper() in names)
+    )  # OpenCV has some names twice
     return {name: getattr(cv2.aruco, name) for name in names}
 
 
@@ -86,8 +91,6 @@ def recognise(greys: Sequence[Array], target: TargetParams) -> CodedBoard | None
     name = _dictionary(greys, target)
     if name is None:
         return None
-    if target.marker_mm is not None and target.markers_only:
-        return CodedBoard(name, True, target.marker_mm)
     best: tuple[float, CodedBoard] | None = None
     for legacy in (False,) if target.markers_only else (False, True):
         trial = CodedBoard(name, target.markers_only, target.marker_mm or 0.5 * target.square_mm, legacy)
@@ -112,71 +115,97 @@ def find_markers(grey: Array, target: TargetParams, coded: CodedBoard) -> tuple[
     -------
     (point int32 (m,), xy float64 (m, 2), sigma float64 (m,)) or None
     """
-    rough = _rough_grid(grey, target, coded) if coded.markers_only else _rough_charuco(grey, target, coded)
-    if rough is None:
+    measured = _centres(grey, target, coded) if coded.markers_only else _corners(grey, target, coded)
+    if measured is None:
         return None
-    point, places, reach = rough
-    xy, sigma = refine_corners(grey, places, reach)
+    point, xy, sigma = measured
     order = np.argsort(point, kind="stable")
     point, xy, sigma = point[order], xy[order], sigma[order]
     keep = np.isfinite(sigma) & np.r_[True, np.diff(point) > 0]
     return point[keep].astype(np.int32), xy[keep], sigma[keep]
 
 
-def _rough_grid(grey: Array, target: TargetParams, coded: CodedBoard) -> tuple[Array, Array, Array] | None:
-    """Return points of the board, their places and the distance to what is near, px, of a grid of markers."""
+def _centres(grey: Array, target: TargetParams, coded: CodedBoard) -> tuple[Array, Array, Array] | None:
+    """Return points of the board, places and standard deviations of the centres of markers.
+
+    A centre is where the diagonals cross: the corners of a dark square are all drawn inwards or outwards alike by blur
+    and the camera's tone curve, by a quarter of a pixel easily, and the centre is not.
+    """
     corners, ids = _detect(grey, coded.dictionary)
     mine = ids < target.columns * target.rows
     corners, ids = corners[mine], ids[mine]
     if len(ids) == 0:
         return None
-    point = (4 * ids[:, None] + np.arange(4)).ravel()
     side = np.repeat(np.hypot(*(corners[:, 1] - corners[:, 0]).T), 4)
-    gap = max(target.square_mm / coded.marker_mm - 1.0, 0.1) * side
-    return point, corners.reshape(-1, 2), np.minimum(0.4 * side, 2.0 * gap)
+    cells = cv2.aruco.getPredefinedDictionary(dictionaries()[coded.dictionary]).markerSize + 2
+    refined, sigma = refine_corners(grey, corners.reshape(-1, 2), 0.9 / cells / WINDOW_SHARE * side)
+    four = refined.reshape(-1, 4, 2)
+    return ids, np.array([crossing(c) for c in four]), 0.5 * np.sqrt((sigma.reshape(-1, 4) ** 2).mean(axis=1))
 
 
-def _rough_charuco(grey: Array, target: TargetParams, coded: CodedBoard) -> tuple[Array, Array, Array] | None:
-    """Return the same of a chessboard with markers: the window must not reach them, half a gap from the corner."""
+def _corners(grey: Array, target: TargetParams, coded: CodedBoard) -> tuple[Array, Array, Array] | None:
+    """Return the same of the corners of a chessboard; the window must not reach the markers, half a gap away."""
     found, ids, _, _ = cv2.aruco.CharucoDetector(coded.charuco(target)).detectBoard(grey)
     if ids is None or len(ids) < 4:
         return None
     places = np.asarray(found, dtype=np.float64).reshape(-1, 2)
     gap = 1.0 - coded.marker_mm / target.square_mm
-    return np.asarray(ids).ravel(), places, neighbour_distance(places) * min(1.0, 1.4 * gap)
+    reach = neighbour_distance(places) * min(1.0, 1.4 * gap)
+    return np.asarray(ids).ravel(), *refine_corners(grey, places, reach)
 
 
 def _detect(grey: Array, dictionary: str) -> tuple[Array, Array]:
     """Return corners float64 (k, 4, 2) and numbers (k,) of all markers of a dictionary."""
     parameters = cv2.aruco.DetectorParameters()
     parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
-    detector = cv2.aruco.ArucoDetector(
-        cv2.aruco.getPredefinedDictionary(dictionaries()[dictionary]), parameters
-    )
-    corners, ids, _ = detector.detectMarkers(grey)
+    known = cv2.aruco.getPredefinedDictionary(dictionaries()[dictionary])
+    corners, ids, _ = cv2.aruco.ArucoDetector(known, parameters).detectMarkers(grey)
     if ids is None:
         return np.zeros((0, 4, 2)), np.zeros(0, dtype=np.int64)
     return np.array(corners, dtype=np.float64).reshape(-1, 4, 2), np.array(ids, dtype=np.int64).ravel()
 
 
+def _families() -> list[list[str]]:
+    """Return the names of the dictionaries by family, the smallest first: the smaller are the start of the larger."""
+    families: dict[str, list[str]] = {}
+    for name in dictionaries():
+        stem, _, count = name.rpartition("_")
+        families.setdefault(stem if count.isdigit() else name, []).append(name)
+    return [
+        sorted(names, key=lambda n: int(n.rpartition("_")[2]) if len(names) > 1 else 0)
+        for names in families.values()
+    ]
+
+
 def _dictionary(greys: Sequence[Array], target: TargetParams) -> str | None:
-    """Return the dictionary with the most markers in the photos: the smallest of those that are alike."""
+    """Return the dictionary whose family has the most markers in the photos: the smallest that is large enough."""
     known = dictionaries()
     if target.dictionary:
-        if target.dictionary not in known:
+        if target.dictionary.upper() not in known:
             raise UserError(unknown_name(target.dictionary, list(known), "dictionary of markers"))
-        return target.dictionary
+        return target.dictionary.upper()
     wanted = needed_markers(target)
-    counts: dict[str, int] = {}
-    for name, code in known.items():
-        if len(cv2.aruco.getPredefinedDictionary(code).bytesList) < wanted:
+    best, most = None, 3
+    for names in _families():
+        large = [n for n in names if len(cv2.aruco.getPredefinedDictionary(known[n]).bytesList) >= wanted]
+        if not large:
             continue
-        found = [_detect(grey, name)[1] for grey in greys]
-        counts[name] = sum(len(np.unique(ids[ids < wanted])) for ids in found)
-    if not counts or max(counts.values()) < 4:
-        return None
-    alike = [name for name, count in counts.items() if count >= 0.97 * max(counts.values())]
-    return min(alike, key=lambda name: (len(cv2.aruco.getPredefinedDictionary(known[name]).bytesList), name))
+        numbers = [_numbers(grey, large[-1]) for grey in greys]
+        count = sum(len(n[n < wanted]) for n in numbers)
+        if count > most:
+            best, most = large[0], count
+    return best
+
+
+def _numbers(grey: Array, dictionary: str) -> Array:
+    """Return the different numbers of the markers in a photo, without measuring them."""
+    scale = max(1.0, max(grey.shape) / RECOGNISE_SIDE)
+    if scale > 1.0:
+        size = (round(grey.shape[1] / scale), round(grey.shape[0] / scale))
+        grey = cv2.resize(grey, size, interpolation=cv2.INTER_AREA)
+    known = cv2.aruco.getPredefinedDictionary(dictionaries()[dictionary])
+    _, ids, _ = cv2.aruco.ArucoDetector(known).detectMarkers(grey)
+    return np.unique(np.array([] if ids is None else ids, dtype=np.int64))
 
 
 def _fit(grey: Array, target: TargetParams, coded: CodedBoard) -> tuple[float, float] | None:
@@ -195,7 +224,7 @@ def _fit(grey: Array, target: TargetParams, coded: CodedBoard) -> tuple[float, f
         return None
     corners, centres = corners[mine], np.array([known[int(number)] for number in ids[mine]])
     # the image of the centre of a square is where its diagonals cross
-    seen = np.array([_crossing(four) for four in corners])
+    seen = np.array([crossing(four) for four in corners])
     homography, _ = cv2.findHomography(seen, centres, cv2.RANSAC, FIT_SHARE * target.square_mm)
     if homography is None:
         return None
@@ -208,7 +237,7 @@ def _fit(grey: Array, target: TargetParams, coded: CodedBoard) -> tuple[float, f
     return float(good.mean()), float(np.median(sides))
 
 
-def _crossing(corners: Array) -> Array:
+def crossing(corners: Array) -> Array:
     """Return where the diagonals of a quadrangle (4, 2) cross."""
     a, b, c, d = corners
     share = np.linalg.solve(np.column_stack([c - a, b - d]), b - a)[0]

@@ -56,7 +56,7 @@ class TargetParams(Params):
     )] = None  # fmt: skip
     markers_only: Annotated[bool, About(
         label="Markers without chessboard",
-        help="The board is a grid of markers; their four corners are the points.", group="ArUco",
+        help="The board is a grid of markers; their centres are the points.", group="ArUco",
     )] = False  # fmt: skip
     dictionary: Annotated[str, About(
         label="Dictionary", group="ArUco",
@@ -85,8 +85,7 @@ class TargetParams(Params):
     def points(self, mirrored: bool = False) -> Array:
         """Return the points of the board, m: x along rows, y down the columns, z = 0, row by row; float64 (n, 3).
 
-        Of a grid of markers the four corners of each, clockwise from its top left one. Mirrored, the first row of
-        shifted circles is shifted and not the second.
+        Of a grid of markers their centres. Mirrored, the first row of shifted circles is shifted and not the second.
         """
         row, column = (a.ravel() for a in np.mgrid[: self.rows, : self.columns].astype(np.float64))
         shifted = (row + mirrored) % 2
@@ -97,8 +96,4 @@ class TargetParams(Params):
         else:
             xy = np.column_stack([column, row])
         xy = xy * self.square_mm
-        if self.target == "aruco" and self.markers_only:
-            side = self.marker_mm if self.marker_mm is not None else 0.8 * self.square_mm
-            corners = side * np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-            xy = (xy[:, None, :] + corners).reshape(-1, 2)
         return np.column_stack([xy, np.zeros(len(xy))]) * 1e-3
