@@ -15,6 +15,8 @@ ROUNDEST = 0.12
 """How much the area may differ from that of the ellipse with the same moments."""
 FLATTEST = 0.2
 """Smallest ratio of the axes of an ellipse."""
+ROUGHEST = 0.05
+"""Largest standard deviation of a contour from its ellipse, as a share of the radius: that of a square is 0.1."""
 RING = 2.5
 """Half width of the ring of pixels round an edge that take part, px."""
 PASSES = 3
@@ -74,11 +76,19 @@ def _discs_of(grey: Array, mask: Array) -> list[tuple[Array, float, float]]:
         hull = cv2.contourArea(cv2.convexHull(contour))
         if area < (1.0 - ROUNDEST) * hull:
             continue
-        middle = np.array([moments["m10"], moments["m01"]]) / area
-        centre, sigma, measured = ellipse_centre(grey, middle, np.linalg.inv(spread), float(small))
+        middle, shape = np.array([moments["m10"], moments["m01"]]) / area, np.linalg.inv(spread)
+        if _roughness(contour, middle, shape) * small > 0.3 + ROUGHEST * small:
+            continue
+        centre, sigma, measured = ellipse_centre(grey, middle, shape, float(small))
         if np.isfinite(sigma) and np.hypot(*(centre - middle)) < 0.5 * large:
             discs.append((centre, sigma, measured))
     return _without_doubles(discs)
+
+
+def _roughness(contour: Array, middle: Array, shape: Array) -> float:
+    """Return the standard deviation of a contour's distance from its ellipse, as a share of the radius."""
+    offset = contour.reshape(-1, 2) - middle
+    return float(np.std(0.5 * np.sqrt(np.maximum(((offset @ shape) * offset).sum(axis=1), 0.0))))
 
 
 def _without_doubles(discs: list[tuple[Array, float, float]]) -> list[tuple[Array, float, float]]:

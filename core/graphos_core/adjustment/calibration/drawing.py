@@ -110,7 +110,8 @@ def _with_markers(target: TargetParams) -> TargetParams:
             return target.replace(marker_mm=side, dictionary=name)
     raise UserError(
         Text("The board needs {n} markers.", n=needed),
-        Text("{name} does not have so many, or does not exist.", name=target.dictionary or "No usual dictionary"),
+        Text("{name} does not have so many, or does not exist.", name=target.dictionary) if target.dictionary
+        else Text("No usual dictionary has so many."),
         Text("Take fewer columns and rows, or another of: {names}.", names=", ".join(known)),
     )  # fmt: skip
 
@@ -178,10 +179,8 @@ def target_svg(drawing: Drawing) -> str:
     line = f"{words}; --columns {t.columns} --rows {t.rows} --square-mm {t.square_mm:g}"
     bar = 100.0 if width >= 130.0 else 50.0
     low = y1 + 5.0
-    shapes = [
-        f'<path fill="#000" d="{_path(drawing.dark)}"/>',
-        f'<path fill="#fff" d="{_path(drawing.light)}"/>',
-    ]
+    inks = (("#000", drawing.dark), ("#fff", drawing.light))
+    shapes = [f'<path fill="{ink}" d="{_path(some)}"/>' for ink, some in inks if len(some)]
     shapes += [f'<circle cx="{x:.4f}" cy="{y:.4f}" r="{r:.4f}" fill="#000"/>' for x, y, r in drawing.discs]
     return "\n".join([
         '<?xml version="1.0" encoding="UTF-8"?>',
