@@ -40,7 +40,7 @@ def add_calibrate(words: Any, common: Callable[[argparse.ArgumentParser], None])
 
 
 def _add_target(words: Any) -> None:
-        word = words.add_parser("target", help="draw a test field to print, as SVG in true scale")
+    word = words.add_parser("target", help="draw a test field to print, as SVG in true scale")
     word.add_argument("target", choices=KINDS, help="what is printed on the board")
     _board(word)
     word.add_argument(
