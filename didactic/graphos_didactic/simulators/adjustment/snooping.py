@@ -7,11 +7,10 @@ import numpy as np
 from graphos_core.adjustment.bundle.adjust import adjust_block
 from graphos_core.adjustment.statistics.reliability import critical_value, detectable, tau_limit
 from graphos_core.cameras import pixel_from_ray
-from graphos_core.geometry.rotation import look_at
 from graphos_core.geometry.similarity import estimate_similarity
-from graphos_core.simulation.model import theoretical_model
 from graphos_didactic.scene import AnyMark, Formula, Number, Panel, Scene, Sentence
 from graphos_didactic.simulator import Preset, Setting, Step, simulator
+from graphos_didactic.simulators.adjustment.four_photos import HEIGHT, WIDTH
 from graphos_didactic.simulators.adjustment.snooping_drawing import (
     FARTHEST_PX,
     OBJECT_ENLARGED,
@@ -22,7 +21,7 @@ from graphos_didactic.simulators.adjustment.snooping_drawing import (
     object_marks,
     photo_marks,
 )
-from graphos_didactic.simulators.adjustment.snooping_model import HEIGHT, WIDTH, Snooping
+from graphos_didactic.simulators.adjustment.snooping_model import Snooping
 from graphos_didactic.simulators.adjustment.snooping_params import LESSON, PHOTOS, SnoopingParams
 from graphos_didactic.simulators.adjustment.snooping_tasks import PREDICTION, snooping_task
 
@@ -66,8 +65,7 @@ PRESETS = (
     first="Drag observation A in photo 2 and watch whose bar crosses the limit.",
     source="Baarda 1968; Pope 1976; Förstner and Wrobel 2016, section 4.6",
     engine=(
-        adjust_block, critical_value, tau_limit, detectable, estimate_similarity, theoretical_model, look_at,
-        pixel_from_ray,
+        adjust_block, critical_value, tau_limit, detectable, estimate_similarity, pixel_from_ray,
     ),
     presets=PRESETS,
     steps=STEPS,

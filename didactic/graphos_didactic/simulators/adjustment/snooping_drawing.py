@@ -7,15 +7,15 @@ import numpy as np
 from graphos_core.adjustment.statistics.reliability import detectable
 from graphos_didactic.scene import AnyMark, Bars, Handle, Line, Picture, Points, Polygon, Role, Words
 from graphos_didactic.simulator import Setting
-from graphos_didactic.simulators.adjustment.snooping_model import (
+from graphos_didactic.simulators.adjustment.four_photos import (
     CAMERA,
     CENTRES,
     HEIGHT,
     POINTS_XYZ,
     ROTATIONS,
     WIDTH,
-    Snooping,
 )
+from graphos_didactic.simulators.adjustment.snooping_model import Snooping
 from graphos_didactic.simulators.adjustment.snooping_params import PHOTOS
 from graphos_didactic.simulators.pictured_plane import Plane, photo_or_simulated, photograph
 

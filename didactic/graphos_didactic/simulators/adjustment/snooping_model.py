@@ -3,43 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 
 from graphos_core.adjustment.bundle.adjust import Options, adjust_block
 from graphos_core.adjustment.statistics.reliability import critical_value, tau_limit
 from graphos_core.cameras import pixel_from_ray
-from graphos_core.data import Adjustment, Block, Camera, Reliability
+from graphos_core.data import Adjustment, Block, Reliability
 from graphos_core.data.record import Array
-from graphos_core.geometry.rotation import look_at
 from graphos_core.geometry.similarity import estimate_similarity
-from graphos_core.simulation.model import NoiseParams, TheoreticalModel, theoretical_model
-from graphos_core.simulation.objects import imported
-from graphos_core.simulation.templates import Stations
-from graphos_didactic.simulators.adjustment.snooping_params import PHOTOS, SnoopingParams
-
-WIDTH, HEIGHT, FOCAL_PX = 1200, 900, 1000.0
-CAMERA = Camera(
-    model="pinhole",
-    width=WIDTH,
-    height=HEIGHT,
-    values=np.array([FOCAL_PX, (WIDTH - 1) / 2, (HEIGHT - 1) / 2]),
+from graphos_core.simulation.model import TheoreticalModel
+from graphos_didactic.simulators.adjustment.four_photos import (
+    CAMERA,
+    CENTRES,
+    POINTS_XYZ,
+    ROTATIONS,
+    four_photos,
 )
-POINTS_XYZ = np.array([
-    [-3.0, 2.2, 0.3], [0.2, 2.5, -0.4], [3.1, 2.0, 0.6], [-3.2, -0.2, -0.5], [0.0, 0.1, 0.8], [2.9, 0.3, -0.3],
-    [-2.8, -2.3, 0.5], [0.3, -2.1, -0.2], [3.0, -2.4, 0.4],
-])  # fmt: skip
-"""The object points, m."""
-CENTRES = np.array([[-3.0, -1.2, 9.0], [3.2, -0.8, 9.4], [0.4, 2.6, 8.8], [0.2, -3.4, 9.2]])
-ROTATIONS = np.stack([look_at(c, 0.15 * c * [1, 1, 0], np.array([0.0, 1.0, 0.0])) for c in CENTRES])
-
-
-@lru_cache(maxsize=32)
-def _simulated(photos: int, sigma_px: float, seed: int) -> TheoreticalModel:
-    stations = Stations(names=tuple("1234"[:photos]), rotations=ROTATIONS[:photos], centres=CENTRES[:photos])
-    noise = NoiseParams(sigma_px=sigma_px, max_incidence=90.0)
-    return theoretical_model(stations, CAMERA, imported(POINTS_XYZ), noise, seed=seed)
+from graphos_didactic.simulators.adjustment.snooping_params import PHOTOS, SnoopingParams
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +83,7 @@ class Snooping:
     @cached_property
     def model(self) -> TheoreticalModel:
         """Truth and noise."""
-        return _simulated(self.photos, self.params.sigma_px, self.params.seed)
+        return four_photos(self.photos, self.params.sigma_px, self.params.seed)
 
     @cached_property
     def block(self) -> Block:
