@@ -1,8 +1,8 @@
 """Compiles the numba kernels once per machine: ``python -m graphos_py.warm_up``, started behind the window.
 
 A process of its own, at low priority, so that compiling never slows the window. It computes a tiny simulated block
-through all five steps, which compiles every kernel into numba's cache on disk; the window's own process then only
-loads them. A stamp beside the cache says that it was done for these sources and this version of numba.
+through all five steps, then every camera model and every simulator, which compiles every kernel into numba's cache on
+disk; the window's own process then only loads them. A stamp beside the cache says that it was done for these sources and this version of numba.
 """
 
 from __future__ import annotations
@@ -23,7 +23,12 @@ PHOTOS = 4
 def kernel_files() -> list[Path]:
     """Return the engine's source files with compiled functions."""
     folder = Path(str(resources.files("graphos_core")))
-    return [file for file in sorted(folder.rglob("*.py")) if "@njit" in file.read_text("utf-8")]
+    found = []
+    for file in sorted(folder.rglob("*.py")):
+        source = file.read_text("utf-8")
+        if "@njit" in source or "@cfunc" in source:
+            found.append(file)
+    return found
 
 
 def stamp_file() -> Path:
@@ -68,6 +73,26 @@ def compile_kernels() -> None:
                 Pipeline(project, recipe).run(stage, run, with_earlier=False)
 
 
+def compile_lessons() -> None:
+    """Project and look back through every camera model, and draw every simulator once."""
+    import numpy as np
+
+    from graphos_core.cameras import pixel_from_ray, ray_from_pixel
+    from graphos_core.cameras.model import camera_models, derivatives
+    from graphos_core.data import Camera
+    from graphos_didactic.simulator import simulators
+
+    for simulator in simulators():
+        simulator.scene(simulator.params())
+    for model in camera_models().values():
+        values = np.zeros(len(model.parameters))
+        values[:3] = 200.0, (SIZE[0] - 1) / 2, (SIZE[1] - 1) / 2
+        values[[k for k, x in enumerate(model.parameters) if x.default == "constant"]] = 100.0
+        camera = Camera(model=model.name, width=SIZE[0], height=SIZE[1], values=values)
+        rays = ray_from_pixel(camera, pixel_from_ray(camera, np.array([[0.1, 0.2, 1.0]])))
+        derivatives(camera, rays)
+
+
 def main() -> int:
     """Warm up unless that was done; returns the exit code."""
     if is_warm():
@@ -75,6 +100,7 @@ def main() -> int:
     with contextlib.suppress(OSError, AttributeError):
         os.nice(15)
     compile_kernels()
+    compile_lessons()
     with contextlib.suppress(OSError):
         stamp_file().parent.mkdir(exist_ok=True)
         stamp_file().write_text(stamp(), "utf-8")

@@ -189,7 +189,7 @@ def camera_table(name: str) -> str:
         first, last = alike[0], alike[-1]
         label, symbol = first.label, f"${first.symbol}$"
         if len(alike) > 1:
-            label, symbol = f"{first.label} to {last.label}", f"${first.symbol}$ … ${last.symbol}$"
+            label, symbol = f"{len(alike)} terms", f"${first.symbol}$ … ${last.symbol}$"
         lines.append(f"| {label} | {symbol} | {first.unit or '–'} | {_handled(first)} |")
     return "\n".join([*lines, "", *(f"- {sentence}" for sentence in model.dependences)])
 

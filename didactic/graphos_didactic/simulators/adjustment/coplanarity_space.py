@@ -95,8 +95,10 @@ def _one_of_four(pair: TwoPhotos, choice: Relative, middle: Array, name: str, ri
     found = lengths[:, None] * pair.rays[0]
     centre, ahead = -rotation.T @ base, rotation[2]
     everything = np.concatenate([np.zeros((1, 3)), centre[None], found])[:, [0, 2]]
-    low, high = np.nanquantile(everything, [0.04, 0.96], axis=0)
-    low, high = np.minimum(low, everything[:2].min(axis=0)), np.maximum(high, everything[:2].max(axis=0))
+    ordered = np.sort(everything[np.isfinite(everything).all(axis=1)], axis=0)
+    few = len(ordered) // 25
+    low = np.minimum(ordered[few], everything[:2].min(axis=0))
+    high = np.maximum(ordered[-1 - few], everything[:2].max(axis=0))
     scale = 1.45 / max(float((high - low).max()), 2.5)
 
     def place(points: Array) -> Array:

@@ -215,7 +215,7 @@ def _effects(lens: Lens) -> list[AnyMark]:
                 panel="effects",
                 thing="effects",
                 role="text",
-                at=(0.0, row - 0.36),
+                at=(0.0, row - 0.47),
                 text=f"{symbol}  {effect:.1f} px",
             ),
         ]
