@@ -81,6 +81,10 @@ PICTURES = (
     Picture("learn", "learn", learn("welcome", "")),
     Picture("simulator_epipolar", "learn", learn("simulator", "features/epipolar"), "light"),
     Picture("simulator_intersection", "learn", learn("simulator", "adjustment/intersection"), "dark"),
+    *(
+        Picture(f"simulator_{name}", "learn", learn("simulator", f"adjustment/{name}"))
+        for name in ("rotations", "collinearity", "coplanarity", "trifocal", "distortion")
+    ),
     Picture("simulator_wallis", "learn", learn("simulator", "preprocessing/wallis")),
     Picture("lab", "learn", learn("lab", "from-photos-to-a-model")),
 )

@@ -67,7 +67,7 @@ def coplanarity_task(seed: int) -> Task:
             break
     mistakes = {name: float(i + 1) for i, name in enumerate(_kinds(pair)) if name in (REVERSED, TWISTED)}
     text = (
-        "The essential matrix has four decompositions, drawn below from above: A looks up, B as its arrow says. "
+        "The essential matrix has four decompositions, drawn from above: A looks up the page, B where its triangle opens. "
         "Which of them, 1 to 4, can be the real one?"
     )
 

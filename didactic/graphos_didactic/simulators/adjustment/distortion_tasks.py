@@ -10,6 +10,8 @@ from graphos_didactic.simulators.adjustment.distortion_params import DistortionP
 
 TOLERANCE_PX = 4.0
 """A lens is met within this root mean square distance of the grid."""
+SAME_PX = 1e-6
+"""Positions that differ by less are the same."""
 SIGN, CORNER_ONLY = "The sign turned", "Only the corner fits"
 
 
@@ -26,14 +28,14 @@ def _moved(params: DistortionParams) -> tuple[float, float, float]:
 
 
 def _answer(params: DistortionParams, setting: Setting) -> int:
-    return 0 if _moved(params)[0] < 1e-6 else 1
+    return 0 if _moved(params)[0] < SAME_PX else 1
 
 
 def _explain(params: DistortionParams, setting: Setting) -> str:
     moved, before, after = _moved(params)
     return (
         f"The principal distance changes from {before:.1f} to {after:.1f} px and the distortion that is left changes with "
-        f"it, so no point moves (at most {moved:.1g} px). Gaussian and balanced are two ways to write one lens: compare "
+        f"it, so no point moves by more than {max(moved, SAME_PX):g} px. Gaussian and balanced are two ways to write one lens: compare "
         "coefficients only together with their principal distance."
     )
 

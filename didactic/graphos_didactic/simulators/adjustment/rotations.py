@@ -236,7 +236,8 @@ def _sheet(photo: TurnedPhoto, last: int) -> list[AnyMark]:
                    answer=True),
         ]  # fmt: skip
     marks.append(Number(thing="truth", label="Error: one turn from the truth", value=photo.error, unit="°", digits=1,
-                        role="error", truth=True))  # fmt: skip
+                        role="error", truth=True,
+            answer=True))  # fmt: skip
     return marks
 
 
