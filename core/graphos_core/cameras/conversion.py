@@ -121,7 +121,7 @@ def convert(camera: Camera, name: str, *, free: Sequence[str] | None = None) -> 
     for names in [tuple(free)] if free is not None else _stages(start, target):
         if best.exact or (best.covered < 1.0 and best.max_px <= EXACT_PX):
             break
-        fitted = _fit(best.camera, target, names, rays, pixels)
+        fitted = fit_camera(best.camera, rays, pixels, names)
         tried = Conversion(fitted, pixels, _residuals(fitted, rays, pixels))
         if tried.rms_px < 0.99 * best.rms_px:
             best = tried
@@ -181,24 +181,43 @@ def _residuals(camera: Camera, rays: Array, pixels: Array) -> Array:
     return pixel_from_ray(camera, rays) - pixels
 
 
-def _fit(start: Camera, target: CameraModel, names: tuple[str, ...], rays: Array, pixels: Array) -> Camera:
-    """Fit the named parameters by Levenberg–Marquardt; columns are scaled, so parameters of any unit mix."""
-    free = [target.index(name) for name in names]
+def fit_camera(start: Camera, rays: Array, pixels: Array, free: Sequence[str]) -> Camera:
+    """Fit parameters so that the camera images the rays at the pixels, by Levenberg–Marquardt.
+
+    Columns are scaled to the same length, so parameters of any unit mix.
+
+    Parameters
+    ----------
+    start : Camera
+        Its own model is fitted; `Camera.before` is left out of account.
+    rays : float64 (n, 3)
+        Directions in the camera frame; rows with NaN are not used.
+    pixels : float64 (n, 2)
+    free : sequence of str
+        Names of the parameters to fit; the others keep their value.
+
+    Returns
+    -------
+    Camera
+        With ``sigmas`` None when anything changed.
+    """
+    target = camera_model(start.model)
+    index = [target.index(name) for name in free]
     use = np.isfinite(rays[:, 0])
     rays, pixels = np.ascontiguousarray(rays[use]), pixels[use]
     camera, damping = start, 1e-3
-    seen, residual, slope = _linear(camera, rays, pixels, free)
+    seen, residual, slope = _linear(camera, rays, pixels, index)
     cost = _cost(residual)
     for _ in range(100):
         scale = np.maximum(np.linalg.norm(slope, axis=0), 1e-300)
-        damped = np.concatenate([slope / scale, np.sqrt(damping) * np.eye(len(free))])
+        damped = np.concatenate([slope / scale, np.sqrt(damping) * np.eye(len(index))])
         step = (
-            np.linalg.lstsq(damped, np.concatenate([-residual, np.zeros(len(free))]), rcond=1e-15)[0] / scale
+            np.linalg.lstsq(damped, np.concatenate([-residual, np.zeros(len(index))]), rcond=1e-15)[0] / scale
         )
         values = np.array(camera.values)
-        values[free] += step
+        values[index] += step
         tried = replace(camera, values=values, sigmas=None)
-        now_seen, now_residual, now_slope = _linear(tried, rays, pixels, free)
+        now_seen, now_residual, now_slope = _linear(tried, rays, pixels, index)
         if now_seen >= seen and (_cost(now_residual) < cost or seen < now_seen):
             gain = cost - _cost(now_residual)
             camera, seen, residual, slope = tried, now_seen, now_residual, now_slope

@@ -12,6 +12,7 @@ derivatives of the implicit function at the solution: with J = ∂(u, v)/∂(x, 
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -46,7 +47,7 @@ def {entry}(
 
 _WHAT = {
     "entry": "Project one point with derivatives",
-    "residual_entry": "Add to the measured position in `pixel` its residual in the corrected picture",
+    "residual_entry": "Compare with the measured position that `pixel` holds, as `residual_code` says",
 }
 
 
@@ -60,7 +61,10 @@ def kernel_source(model: CameraModel) -> str:
     kernels = {"entry": ideal + (_backward if model.backward else _forward)(sympy, model)}
     if model.backward:
         kernels["residual_entry"] = ideal + _at_measured(sympy, model)
-    functions = [name for name in ("atan2", "sqrt") if f"{name}(" in ideal]
+    if model.projection == "spherical":
+        kernels["residual_entry"] = _KEEP + kernels["entry"] + _UNWRAP
+    used = set(re.findall(r"\w+", "".join(kernels.values())))
+    functions = sorted(used & {"atan2", "pi", "sqrt"})
     text = _HEAD.format(
         label=model.label,
         version=sympy.__version__,
@@ -153,6 +157,13 @@ _CHAIN = "".join(
     for i in range(2)
     for k, axis in enumerate("xyz")
 )
+
+_KEEP = "    measured = pixel[0]\n"
+
+_UNWRAP = """    turns = round((measured - pixel[0]) / (2.0 * pi * focal_px))
+    pixel[0] += 2.0 * pi * focal_px * turns
+    d_values[0] += 2.0 * pi * turns
+"""
 
 _SOLVE = """    px = focal_px * u + x0
     py = focal_px * v + y0

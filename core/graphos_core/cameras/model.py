@@ -12,11 +12,15 @@ no image (behind the camera); the outputs are then undefined. A generated entry 
 (`graphos_core.cameras.entry`). `graphos_core.cameras.kernels.project` dispatches on `CameraModel.code` inside compiled
 code.
 
-Programs with backward models take residuals in the corrected picture: the measured position is corrected with the
-parameters of the moment and compared with the ideal one. `CameraModel.residual_code` finds a kernel for that: on entry
-``pixel`` holds the measured position, on return measured position + f·(ideal − corrected), so that subtracting the
-measured position leaves the residual in px; the derivatives are those of this residual. Forward models have no such
-residual, their `residual_code` is their `code`.
+An adjustment compares with a measured position, and two kinds of model have a kernel of its own for that, found by
+`CameraModel.residual_code`; on entry ``pixel`` holds the measured position, and what it holds on return minus the
+measured position is the residual in px, whose derivatives are given:
+
+- backward models: the residual in the corrected picture, f·(ideal − corrected measured position), as programs with such
+  models take it (DBAT, PhotoModeler);
+- the panorama: the position one turn more or less when the measured one lies beyond the seam.
+
+For all others `residual_code` is `code`.
 """
 
 from __future__ import annotations
@@ -135,8 +139,9 @@ class CameraModel:
 
     @property
     def residual_code(self) -> int:
-        """As `code`, for residuals in the corrected picture where the model is backward."""
-        return _entry_address(self.name, "residual_entry") if self.backward else self.code
+        """As `code`, for a comparison with a measured position: see the head of this module."""
+        special = self.backward or self.projection == "spherical"
+        return _entry_address(self.name, "residual_entry") if special else self.code
 
     @property
     def wide(self) -> bool:

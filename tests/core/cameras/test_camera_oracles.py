@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from graphos_core.cameras import camera_model, pixel_from_ray, ray_from_pixel
+from graphos_core.cameras.kernels import project
 from graphos_core.data import Camera
 
 F, X0, Y0 = 1500.0, 805.0, 592.0
@@ -134,3 +135,24 @@ def test_the_panorama_has_its_directions_where_they_belong():
     assert np.allclose(pixel_from_ray(panorama, behind), [[1599.5, 399.5]])
     assert np.allclose(pixel_from_ray(panorama, up)[0, 1], -0.5)
     assert np.allclose(ray_from_pixel(panorama, np.array([[799.5 - 400.0, 399.5]])), [[-1.0, 0.0, 0.0]])
+
+
+def test_a_position_beyond_the_seam_of_a_panorama_is_compared_with_the_near_one():
+    model = camera_model("spherical")
+    values = np.array([800 / np.pi, 799.5, 399.5])
+    point = np.array([0.02, 0.1, -1.0])  # just left of the seam
+    pixel, slope, inner = np.empty(2), np.empty((2, 3)), np.empty((2, 3))
+
+    def compared(v, measured):
+        pixel[:] = measured
+        assert project(model.residual_code, v, *point, pixel, slope, inner)
+        return pixel.copy()
+
+    plain = pixel_from_ray(Camera(model="spherical", width=1600, height=800, values=values), point[None])[0]
+    assert plain[0] > 1590.0
+    assert np.allclose(compared(values, plain), plain)
+    assert np.allclose(compared(values, [-3.0, plain[1]]), plain - [1600.0, 0.0])
+    h = np.array([1e-4, 0.0, 0.0])
+    numeric = (compared(values + h, [-3.0, plain[1]]) - compared(values - h, [-3.0, plain[1]])) / 2e-4
+    compared(values, [-3.0, plain[1]])
+    assert np.allclose(inner[:, 0], numeric, rtol=1e-6)

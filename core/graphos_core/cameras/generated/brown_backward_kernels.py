@@ -219,7 +219,7 @@ def entry(
 def residual_entry(
     values: Array, x: float, y: float, z: float, pixel: Array, d_point: Array, d_values: Array, row: int
 ) -> int:
-    """Add to the measured position in `pixel` its residual in the corrected picture; see `graphos_core.cameras.entry`."""
+    """Compare with the measured position that `pixel` holds, as `residual_code` says; see `graphos_core.cameras.entry`."""
     if z <= 0.0:
         return 0
     s0 = (1.0 / z)
