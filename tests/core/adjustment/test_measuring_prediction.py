@@ -7,8 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from graphos_core.adjustment.measuring.prediction import epipolar, intersect, project
+from graphos_core.adjustment.measuring.prediction import epipolar, intersect, predict, project
+from graphos_core.adjustment.measuring.sights import image_rms
+from graphos_core.cameras import camera_model
 from graphos_core.data import Block, Camera
+from graphos_core.exchange.control_sheet import ControlSheet, Mark
 from graphos_core.simulation.model import NoiseParams, theoretical_model
 from graphos_core.simulation.objects import ObjectParams, cube
 from graphos_core.simulation.templates import OrbitalParams, place
@@ -81,3 +84,42 @@ def test_photos_that_are_not_oriented_take_no_part(block: Block) -> None:
     less = replace(block, oriented=flags)
     assert set(intersect(less, exact).residuals) == set(photos[1:])
     assert not len(epipolar(less, photos[0], exact[photos[0]], photos[1]))
+
+
+def test_all_points_at_once_are_as_one_by_one(block: Block) -> None:
+    rng = np.random.default_rng(1)
+    chosen = np.flatnonzero(np.bincount(block.obs_point) >= 3)[:8]
+    marks = {}
+    for point in chosen:
+        for i in np.flatnonzero(np.asarray(block.obs_point) == point):
+            x, y = np.asarray(block.obs_xy[i]) + 0.4 * rng.standard_normal(2)
+            marks[f"P{point}", block.names[block.obs_photo[i]]] = Mark(float(x), float(y))
+    marks["alone", block.names[0]] = Mark(10.0, 10.0)
+    found = image_rms(ControlSheet(marks=marks), block)
+    assert set(found) == {f"P{point}" for point in chosen}
+    for name in found:
+        places = {block.names.index(photo): mark.xy for (n, photo), mark in marks.items() if n == name}
+        assert np.isclose(found[name], intersect(block, places).rms_px)
+
+
+def test_a_fish_eye_predicts_beyond_a_right_angle() -> None:
+    fisheye = Camera(
+        model="fisheye_equidistant", width=1600, height=1600,
+        values=np.zeros(len(camera_model("fisheye_equidistant").names)),
+    )  # fmt: skip
+    values = np.array(fisheye.values)
+    values[:3] = 480.0, 799.5, 799.5
+    fisheye = replace(fisheye, values=values)
+    centres = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    xyz = np.array([2.0, 0.5, -0.3])  # behind the plane of the sensor
+    seen = Block(
+        cameras=(fisheye,), names=("a", "b", "c"), camera_of_photo=np.zeros(3, np.int32),
+        oriented=np.ones(3, bool), rotations=np.repeat(np.eye(3)[None], 3, axis=0), centres=centres,
+        points=xyz[None], colours=np.zeros((1, 3), np.uint8), point_track=np.zeros(1, np.int32),
+        obs_photo=np.array([0, 1], np.int32), obs_point=np.zeros(2, np.int32), obs_xy=np.zeros((2, 2)),
+    )  # fmt: skip
+    exact = {photo: project(seen, photo, xyz) for photo in (0, 1, 2)}
+    found = predict(seen, {0: exact[0], 1: exact[1]}, 2)
+    assert found.source == "rays" and found.xy is not None and np.allclose(found.xy, exact[2], atol=1e-5)
+    line = predict(seen, {0: exact[0]}, 1).lines[0]
+    assert np.hypot(*(line - exact[1]).T).min() < 20

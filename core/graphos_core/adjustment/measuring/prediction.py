@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphos_core.cameras import pixel_from_ray, ray_from_pixel
+from graphos_core.cameras import camera_model, pixel_from_ray
 from graphos_core.data import Array, Block
 from graphos_core.geometry.epipolar import epipolar_curve
-from graphos_core.geometry.triangulation import triangulate
+from graphos_core.geometry.rays import joined, rays_of
+from graphos_core.geometry.triangulation import intersect_rays
 
 SMALLEST_ANGLE = np.radians(1.0)
 """Rays that meet under less than this do not make a point."""
@@ -62,30 +63,65 @@ def intersect(block: Block, measured: Mapping[int, Array]) -> Intersection:
         Measured place by photo, px.
     """
     photos = [p for p in sorted(measured) if block.oriented[p]]
-    rays = [
-        ray_from_pixel(block.cameras[block.camera_of_photo[p]], np.asarray(measured[p])[None])[0]
-        for p in photos
-    ]
-    good = [i for i, ray in enumerate(rays) if np.isfinite(ray).all()]
-    photos, rays = [photos[i] for i in good], [rays[i] for i in good]
     if len(photos) < 2:
         return Intersection(None, {}, None, 0.0)
-    focal = np.array([block.cameras[c].focal_px for c in block.camera_of_photo])
-    found = triangulate(
-        np.array([0, len(photos)]), np.array(photos), np.array(rays)[:, :2], focal,
-        block.rotations, block.centres, min_angle=SMALLEST_ANGLE,
-    )  # fmt: skip
-    if not found.ok[0]:
-        return Intersection(None, {}, None, float(found.angles[0]))
-    xyz = found.points[0]
-    residuals = {p: project(block, p, xyz) - np.asarray(measured[p]) for p in photos}
-    return Intersection(xyz, residuals, _sigma(block, photos, xyz), float(found.angles[0]))
+    xy = np.array([measured[p] for p in photos], dtype=np.float64)
+    points, angles, ok = _meet(block, np.zeros(len(photos), dtype=np.int64), np.array(photos), xy, 1)
+    if not ok[0]:
+        return Intersection(None, {}, None, float(angles[0]))
+    residuals = {p: project(block, p, points[0]) - place for p, place in zip(photos, xy, strict=True)}
+    return Intersection(points[0], residuals, _sigma(block, photos, points[0]), float(angles[0]))
+
+
+def intersect_many(block: Block, point: Array, photo: Array, xy: Array, count: int) -> tuple[Array, Array]:
+    """Intersect many points at once; see `intersect`.
+
+    Parameters
+    ----------
+    block : Block
+    point, photo : int (m,)
+        Point and oriented photo of each measurement, sorted by point.
+    xy : float64 (m, 2)
+        px.
+    count : int
+        Number of points.
+
+    Returns
+    -------
+    float64 (count, 3)
+        Object frame of the block.
+    bool (count,)
+        Whether two rays meet.
+    """
+    points, _, ok = _meet(block, point, photo, xy, count)
+    return points, ok
+
+
+def _meet(block: Block, point: Array, photo: Array, xy: Array, count: int) -> tuple[Array, Array, Array]:
+    """Return points, largest angles and whether the points were found; every ray takes part."""
+    parts = [
+        (mine, rays_of(block.cameras[block.camera_of_photo[p]], xy[mine]))
+        for p in np.unique(photo)
+        if len(mine := np.flatnonzero(photo == p))
+    ]
+    rays = joined(parts, len(photo))
+    use = np.flatnonzero(rays.valid)
+    start = np.searchsorted(point[use], np.arange(count + 1))
+    found = intersect_rays(
+        start, photo[use], rays[use], block.rotations, block.centres, min_angle=SMALLEST_ANGLE
+    )
+    return found.points, found.angles, found.ok
 
 
 def project(block: Block, photo: int, xyz: Array) -> Array:
     """Return the place (2,) of an object point in a photo, px; NaN where it has no image."""
-    in_camera = block.rotations[photo] @ (np.asarray(xyz) - block.centres[photo])
-    return pixel_from_ray(block.cameras[block.camera_of_photo[photo]], in_camera[None])[0]
+    return project_many(block, photo, np.asarray(xyz)[None])[0]
+
+
+def project_many(block: Block, photo: int, xyz: Array) -> Array:
+    """Return the places (n, 2) of object points (n, 3) in a photo, px; NaN where they have no image."""
+    in_camera = (np.asarray(xyz) - block.centres[photo]) @ np.asarray(block.rotations[photo]).T
+    return pixel_from_ray(block.cameras[block.camera_of_photo[photo]], in_camera)
 
 
 def inside(block: Block, photo: int, xy: Array) -> bool:
@@ -116,9 +152,14 @@ def epipolar(block: Block, source: int, xy: Array, target: int) -> Array:
 
 
 def depth_range(block: Block, photo: int) -> tuple[float, float]:
-    """Return the depths (2nd and 98th percentile) of the points a photo sees, in the block's unit."""
+    """Return the depths (2nd and 98th percentile) of the points a photo sees, in the block's unit.
+
+    Depth is the z of the camera frame, for a camera with a field of any angle the distance from its centre.
+    """
     mine = np.asarray(block.obs_point)[np.asarray(block.obs_photo) == photo]
-    depths = (np.asarray(block.points)[mine] - block.centres[photo]) @ np.asarray(block.rotations[photo])[2]
+    rays = np.asarray(block.points)[mine] - block.centres[photo]
+    wide = camera_model(block.cameras[block.camera_of_photo[photo]].model).wide
+    depths = np.linalg.norm(rays, axis=1) if wide else rays @ np.asarray(block.rotations[photo])[2]
     depths = depths[depths > 0]
     if not len(depths):
         spread = float(np.ptp(np.asarray(block.centres)[np.asarray(block.oriented)], axis=0).max()) or 1.0
