@@ -53,6 +53,7 @@ class CalibrationPage(ResultPage):
                 column.addWidget(widget, int(widget in (self.table, self.correlations)))
         self.pictures = QTabWidget()
         self.pictures.setDocumentMode(True)
+        self.pictures.tabBar().setDrawBase(False)
         self.profile = ProfilePlot()
         self.profile.set_empty_text(
             tr("Distortion over the radius, with its confidence band"),

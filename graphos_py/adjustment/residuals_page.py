@@ -41,6 +41,7 @@ class ResidualsPage(ResultPage):
         self.histogram = PlotView()
         self.plots = QTabWidget()
         self.plots.setDocumentMode(True)
+        self.plots.tabBar().setDrawBase(False)
         self.quantiles = QuantilePlot()
         self.sensor = ImageView()
         self.sensor_text = QLabel()
@@ -91,7 +92,7 @@ class ResidualsPage(ResultPage):
         centres, means, chance = cell_means(
             camera, np.asarray(block.obs_xy)[mine], np.asarray(adjustment.residuals)[mine]
         )
-        colour = 24 if theme().name == "dark" else 236
+        colour = 40 if theme().name == "dark" else 224
         self.sensor.set_image(np.full((camera.height, camera.width), colour, np.uint8))
         if not len(means):
             return

@@ -44,6 +44,7 @@ class ControlPage(QWidget):
         self.distances = DistancesPanel(self.desk)
         self.upper = QTabWidget()
         self.upper.setDocumentMode(True)
+        self.upper.tabBar().setDrawBase(False)
         self.upper.addTab(self.table, tr("Points"))
         self.upper.addTab(self.distances, tr("Distances"))
         self.measuring = MeasuringView(self.desk)
