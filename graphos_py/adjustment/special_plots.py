@@ -40,7 +40,9 @@ class ProfilePlot(PlotView):
         first = next(iter(profiles.values()))
         upper = float(np.nanmean(first.displacement_px)) > 0  # the legend goes where the curves are not
         legend = self.plot.getPlotItem().legend
-        legend.anchor((0, 0) if upper else (0, 1), (0, 0) if upper else (0, 1), (70, 12) if upper else (70, -50))
+        legend.anchor(
+            (0, 0) if upper else (0, 1), (0, 0) if upper else (0, 1), (70, 12) if upper else (70, -50)
+        )
         self._axes(tr("ideal radius"), "px", tr("radial displacement, measured − ideal"), "px")
         self._keep([f"{tr('ideal radius')} [px]", *header], [first.radius_px, *columns])
 
