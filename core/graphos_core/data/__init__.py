@@ -30,6 +30,7 @@ from graphos_core.data.features import Features
 from graphos_core.data.images import Exif, Photo, PhotoSet
 from graphos_core.data.matches import PairMatches, Tracks
 from graphos_core.data.record import Array, record
+from graphos_core.data.tree import OrientationTree
 
 __all__ = [
     "Adjustment",
@@ -57,6 +58,7 @@ __all__ = [
     "KnownShape",
     "Mesh",
     "ObservationGroup",
+    "OrientationTree",
     "PairMatches",
     "Photo",
     "PhotoSet",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from graphos_core.data.cameras import Camera
 from graphos_core.data.record import Array, check_indices, check_shape, record
+from graphos_core.data.tree import OrientationTree
 from graphos_core.errors import ItemFailure
 
 
@@ -40,6 +41,10 @@ class Block:
         ``"m"`` after georeferencing or scaling, ``"model units"`` before.
     failures : tuple of ItemFailure
         Photos that could not be oriented, with reasons.
+    tree : OrientationTree or None
+        Who was oriented on whom, where the orientation is known to have grown.
+    others : tuple of Block
+        Blocks of photos that could not be connected with this one, each in a frame of its own, largest first.
     """
 
     cameras: tuple[Camera, ...]
@@ -57,6 +62,8 @@ class Block:
     obs_sigma_px: Array | None = None
     unit: str = "model units"
     failures: tuple[ItemFailure, ...] = ()
+    tree: OrientationTree | None = None
+    others: tuple[Block, ...] = ()
 
     def check_arrays(self) -> None:
         """Raise `ValueError` when arrays do not belong together; called on what was read from disk."""

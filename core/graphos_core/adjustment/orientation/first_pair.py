@@ -99,19 +99,28 @@ def candidate_pairs(block: GrowingBlock, group: tuple[int, ...], min_points: int
     return [(group[first[k]], group[second[k]]) for k in order]
 
 
-def choose_first_pairs(
-    block: GrowingBlock, group: tuple[int, ...], *, min_points: int, min_angle: float, run: Run
-) -> list[FirstPair]:
-    """Return the pairs of a group that can start the block, best first.
+def partners(
+    block: GrowingBlock, group: tuple[int, ...], min_points: int, chosen: tuple[int, ...]
+) -> list[tuple[int, int]]:
+    """Return the candidate pairs of a group; with a chosen photo only those it is part of."""
+    return [
+        pair for pair in candidate_pairs(block, group, min_points) if all(photo in pair for photo in chosen)
+    ]
 
-    Tries the pairs with the most common points; the score rewards many points with good intersection angles.
+
+def choose_first_pairs(
+    block: GrowingBlock, pairs: list[tuple[int, int]], *, min_points: int, min_angle: float, run: Run
+) -> list[FirstPair]:
+    """Return the pairs that can start the block, best first.
+
+    Tries the first pairs, those with the most common points; the score rewards many points with good intersection
+    angles.
 
     Raises
     ------
     UserError
-        When no pair has enough common points, or none has a base.
+        When there is no pair with enough common points, or none has a base.
     """
-    pairs = candidate_pairs(block, group, min_points)
     if not pairs:
         raise UserError(
             "No two photos can be oriented relative to each other.",

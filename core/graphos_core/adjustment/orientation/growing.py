@@ -2,12 +2,26 @@
 
 from __future__ import annotations
 
+from copy import copy
+from dataclasses import dataclass
+
 import numpy as np
 
-from graphos_core.data import Array, Block, Camera, PhotoSet, Tracks
+from graphos_core.data import Array, Block, Camera, OrientationTree, PhotoSet, Tracks
 from graphos_core.errors import ItemFailure
 from graphos_core.geometry.rays import Rays, joined, rays_of
 from graphos_core.geometry.triangulation import distances_px, intersect_rays, intersection_angles
+
+
+@dataclass(frozen=True)
+class Oriented:
+    """How one photo was oriented: see `graphos_core.data.OrientationTree`."""
+
+    photo: int
+    on: tuple[int, ...]
+    method: str
+    points: int
+    rms_px: float
 
 
 class GrowingBlock:
@@ -52,6 +66,8 @@ class GrowingBlock:
         self.used = np.zeros(len(tracks.track), dtype=bool)
         order = np.argsort(tracks.photo, kind="stable")
         bounds = np.searchsorted(tracks.photo[order], np.arange(count + 1))
+        self.tree: list[Oriented] = []
+        self._start = np.searchsorted(tracks.track, np.arange(tracks.count + 1))
         self._of_photo = [order[bounds[i] : bounds[i + 1]] for i in range(count)]
         self.rays: Rays = joined([], len(tracks.track))
         self.cameras: tuple[Camera, ...] = ()
@@ -59,6 +75,11 @@ class GrowingBlock:
 
     def set_cameras(self, cameras: tuple[Camera, ...]) -> None:
         """Take a calibration and compute the rays of all observations with it."""
+        if self.cameras and all(
+            np.array_equal(new.values, old.values) for new, old in zip(cameras, self.cameras, strict=True)
+        ):
+            self.cameras = tuple(cameras)
+            return
         camera = self.camera_of_photo[self.tracks.photo]
         parts = []
         for index, new in enumerate(cameras):
@@ -68,6 +89,15 @@ class GrowingBlock:
         self.cameras = tuple(cameras)
         self.rays = joined(parts, len(camera)) if len(parts) > 1 else parts[0][1]
         self.valid: Array = self.rays.valid
+
+    def fresh(self) -> GrowingBlock:
+        """Return an empty block of the same photos, tracks and calibration, which shares their rays."""
+        new = copy(self)
+        new.oriented = np.zeros_like(self.oriented)
+        new.rotations, new.centres = np.tile(np.eye(3), (len(self.names), 1, 1)), np.zeros_like(self.centres)
+        new.points, new.known = np.zeros_like(self.points), np.zeros_like(self.known)
+        new.used, new.tree = np.zeros_like(self.used), []
+        return new
 
     def observations_of(self, photo: int) -> Array:
         """Return the indices of the valid observations of a photo, sorted by track."""
@@ -87,16 +117,18 @@ class GrowingBlock:
         )
         return in_a[at_a], in_b[at_b]
 
-    def place(self, photo: int, rotation: Array, centre: Array) -> None:
+    def place(self, photo: int, rotation: Array, centre: Array, how: Oriented) -> None:
         """Add an oriented photo, with its observations of known points that fit."""
         self.oriented[photo] = True
         self.rotations[photo], self.centres[photo] = rotation, centre
         seen = self.seen_by(photo)
         self.used[seen] = self.distances_px(seen) <= self.reprojection_px
+        self.tree.append(how)
 
     def release(self, photo: int) -> None:
         """Take a photo out again, with the points that lose too many rays."""
         self.oriented[photo] = False
+        self.tree = [how for how in self.tree if how.photo != photo]
         self.rotations[photo], self.centres[photo] = np.eye(3), np.zeros(3)
         self.reject()
 
@@ -123,25 +155,51 @@ class GrowingBlock:
         self.used[free] = found.used
         return len(new)
 
-    def reject(self) -> int:
-        """Accept or refuse every observation anew, drop points left with too little; return the observations lost."""
+    def neighbours(self, photo: int, most: int) -> tuple[int, ...]:
+        """Return the oriented photos that share most accepted points with an oriented one, at most so many."""
+        tracks = self.tracks
+        mine = np.zeros(tracks.count, dtype=bool)
+        observations = self._of_photo[photo]
+        mine[tracks.track[observations[self.used[observations]]]] = True
+        shared = np.bincount(tracks.photo[self.used & mine[tracks.track]], minlength=len(self.names))
+        shared[photo] = 0
+        order = np.argsort(-shared, kind="stable")[:most]
+        return tuple(int(i) for i in order if shared[i] > 0)
+
+    def reject(self, of: Array | None = None) -> int:
+        """Accept or refuse observations anew, drop points left with too little; return the observations lost.
+
+        Parameters
+        ----------
+        of : bool (t,), optional
+            Only those of some tracks; by default of all.
+        """
         tracks = self.tracks
         before = int(self.used.sum())
-        live = np.flatnonzero(self.oriented[tracks.photo] & self.valid & self.known[tracks.track])
-        self.used[:] = False
+        live = self.oriented[tracks.photo] & self.valid & self.known[tracks.track]
+        live = np.flatnonzero(live if of is None else live & of[tracks.track])
+        self.used[live] = False
+        if of is None:
+            self.used[:] = False
         self.used[live] = self.distances_px(live) <= self.reprojection_px
-        start = np.searchsorted(tracks.track, np.arange(tracks.count + 1))
-        angles = intersection_angles(start, tracks.photo, self.used, self.centres, self.points)
+        angles = intersection_angles(self._start, tracks.photo, self.used, self.centres, self.points)
         rays = np.bincount(tracks.track[live], minlength=tracks.count)
         agreeing = np.bincount(tracks.track[self.used], minlength=tracks.count)
-        self.known &= (angles >= self.min_angle) & (2 * agreeing > rays)  # a minority may have made the point
+        good = (angles >= self.min_angle) & (2 * agreeing > rays)  # a minority may have made the point
+        self.known &= good if of is None else good | ~of
         self.used &= self.known[tracks.track]
         return before - int(self.used.sum())
 
-    def block(self, failures: tuple[ItemFailure, ...] = ()) -> Block:
-        """Return the block so far as a record."""
+    def tracks_of(self, photos: Array) -> Array:
+        """Say which tracks have an accepted observation in some photos bool (n,); bool (t,)."""
+        found = np.zeros(self.tracks.count, dtype=bool)
+        found[self.tracks.track[self.used & photos[self.tracks.photo]]] = True
+        return found
+
+    def block(self, failures: tuple[ItemFailure, ...] = (), of: Array | None = None) -> Block:
+        """Return the block so far as a record, with all its points or those of some tracks bool (t,)."""
         tracks = self.tracks
-        observations = np.flatnonzero(self.used)
+        observations = np.flatnonzero(self.used if of is None else self.used & of[tracks.track])
         ids, point = np.unique(tracks.track[observations], return_inverse=True)
         return Block(
             cameras=self.cameras,
@@ -157,6 +215,16 @@ class GrowingBlock:
             obs_point=point.astype(np.int32),
             obs_xy=tracks.xy[observations],
             failures=failures,
+            tree=self._tree(),
+        )
+
+    def _tree(self) -> OrientationTree:
+        return OrientationTree(
+            photo=np.array([how.photo for how in self.tree], np.int32),
+            on=tuple(how.on for how in self.tree),
+            method=tuple(how.method for how in self.tree),
+            points=np.array([how.points for how in self.tree], np.int32),
+            rms_px=np.array([how.rms_px for how in self.tree]),
         )
 
     def adopt(self, block: Block) -> None:

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from graphos_core.adjustment.orientation.first_pair import FirstPair
-from graphos_core.adjustment.orientation.growing import GrowingBlock
-from graphos_core.adjustment.orientation.intermediate import adjusted
+from graphos_core.adjustment.orientation.growing import GrowingBlock, Oriented
+from graphos_core.adjustment.orientation.intermediate import adjusted, adjusted_around
 from graphos_core.adjustment.orientation.next_photo import MIN_SCALING, place_photo, rank_photos
+from graphos_core.adjustment.orientation.parameters import GrowthParams
 from graphos_core.run import Run
 from graphos_core.text import Text
 
-ALWAYS_ADJUST = 12
+ALWAYS_ADJUST = 8
 """Blocks up to this number of photos are adjusted after every photo."""
+
+LOCAL = 3
+"""Neighbours that move with a new photo in a local adjustment."""
+
+SHOWN = 3
+"""Photos named in the tree as those a resection stands on."""
 
 FINAL_ROUNDS = 5
 """Adjustments at the end, between which observations are rejected and points intersected anew."""
@@ -27,11 +36,7 @@ class Growth:
         Empty.
     group : tuple of int
         Photos that may be added.
-    min_points, resection_px : int, float
-        See `IncrementalParams`.
-    adjust_growth : float
-        Share of new photos after which the block is adjusted, percent.
-    self_calibration : bool
+    params : GrowthParams
     run : Run
     """
 
@@ -39,16 +44,10 @@ class Growth:
         self,
         block: GrowingBlock,
         group: tuple[int, ...],
-        *,
-        min_points: int,
-        resection_px: float,
-        adjust_growth: float,
-        self_calibration: bool,
+        params: GrowthParams,
         run: Run,
     ) -> None:
-        self.block, self.group, self.run = block, group, run
-        self.min_points, self.resection_px = min_points, resection_px
-        self.adjust_growth, self.self_calibration = adjust_growth, self_calibration
+        self.block, self.group, self.params, self.run = block, group, params, run
         self.reasons: dict[int, str] = {}
         self._tried: dict[int, int] = {}
         self._adjusted_at = 0
@@ -61,8 +60,9 @@ class Growth:
     def start(self, pair: FirstPair) -> None:
         """Place the first pair, intersect its points and adjust."""
         block = self.block
-        block.place(pair.a, np.eye(3), np.zeros(3))
-        block.place(pair.b, pair.rotation, pair.centre)
+        block.place(pair.a, np.eye(3), np.zeros(3), Oriented(pair.a, (), Text("first photo"), 0, np.nan))
+        how = Oriented(pair.b, (pair.a,), Text("relative orientation of the first pair"), pair.points, np.nan)
+        block.place(pair.b, pair.rotation, pair.centre, how)
         block.intersect()
         self.run.say(
             Text(
@@ -100,13 +100,13 @@ class Growth:
         held = np.bincount(block.tracks.photo[block.used], minlength=len(block.names))
         held[~block.oriented] = np.iinfo(held.dtype).max
         weakest = int(np.argmin(held))
-        if held[weakest] >= self.min_points or self.count <= 2:
+        if held[weakest] >= self.params.min_points or self.count <= 2:
             return False
         block.release(weakest)
         self.reasons[weakest] = Text(
             "only {held} of its points fit after the adjustment, {needed} needed",
             held=int(held[weakest]),
-            needed=self.min_points,
+            needed=self.params.min_points,
         )
         return True
 
@@ -120,7 +120,7 @@ class Growth:
                     Text(
                         "only {seen} points in common with the oriented photos, {needed} needed",
                         seen=seen,
-                        needed=self.min_points,
+                        needed=self.params.min_points,
                     )
                     if seen
                     else Text("no points in common with the oriented photos")
@@ -132,15 +132,18 @@ class Growth:
             placed = place_photo(
                 block,
                 photo,
-                min_points=self.min_points,
-                threshold_px=self.resection_px,
+                min_points=self.params.min_points,
+                threshold_px=self.params.resection_px,
                 seed=self.run.seed + photo,
             )
             if not placed:
                 self._tried[photo] = seen
                 self.reasons[photo] = placed.reason
                 continue
-            block.place(photo, placed.rotation, placed.centre)
+            how = Oriented(photo, placed.on, placed.method, placed.inliers, placed.rms_px)
+            block.place(photo, placed.rotation, placed.centre, how)
+            if not how.on:
+                block.tree[-1] = replace(how, on=block.neighbours(photo, SHOWN))
             new = block.intersect()
             self.run.say(
                 Text(
@@ -153,17 +156,27 @@ class Growth:
                     new=new,
                 )
             )
-            if self.count <= ALWAYS_ADJUST or self.count >= self._adjusted_at * (
-                1 + self.adjust_growth / 100
-            ):
+            grown = self.count >= self._adjusted_at * (1 + self.params.adjust_growth / 100)
+            if self.count <= ALWAYS_ADJUST or grown:
                 self._adjust()
+            else:
+                self._adjust_around(photo)
             return True
         return False
+
+    def _adjust_around(self, photo: int) -> None:
+        """Adjust a new photo with its neighbours and their points, the rest of the block held fixed."""
+        block = self.block
+        free = np.zeros(len(block.names), dtype=bool)
+        free[[photo, *block.neighbours(photo, LOCAL)]] = True
+        concerned = block.tracks_of(free)
+        block.adopt(adjusted_around(block.block(of=concerned), free, self.run))
+        block.reject(concerned)
 
     def _adjust(self) -> None:
         """Adjust the block, reject outliers, intersect what can be intersected now."""
         block = self.block
-        block.adopt(adjusted(block.block(), self_calibration=self.self_calibration, run=self.run))
+        block.adopt(adjusted(block.block(), self_calibration=self.params.self_calibration, run=self.run))
         block.reject()
         block.intersect()
         self._adjusted_at = self.count

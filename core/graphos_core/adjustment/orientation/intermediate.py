@@ -20,6 +20,8 @@ FREED_WIDE = (("focal_px", 3), ("k1", 3), ("x0", 4), ("y0", 4), ("k2", 5))
 
 OPTIONS = Options(robust="cauchy", scale_px=1.0, max_iterations=6, tolerance=1e-3, statistics=False)
 
+LOCAL_OPTIONS = replace(OPTIONS, max_iterations=2)
+
 
 class _Quiet(Run):
     """Passes on the wish to stop, and nothing else: intermediate iterations are not the caller's."""
@@ -51,6 +53,12 @@ def adjusted(block: Block, *, self_calibration: bool, run: Run) -> Block:
         for camera, names in zip(result.cameras, free or ((),) * len(result.cameras), strict=True)
     )
     return replace(result, cameras=kept)
+
+
+def adjusted_around(block: Block, free: Array, run: Run) -> Block:
+    """Adjust some photos bool (n,) and the points of `block`, everything else held fixed."""
+    held = np.asarray(block.oriented) & ~free
+    return adjust_block(block, Freedom(fixed_photos=held), LOCAL_OPTIONS, run=_Quiet(run)).block
 
 
 def _freed(block: Block) -> tuple[tuple[str, ...], ...]:

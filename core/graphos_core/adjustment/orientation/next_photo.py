@@ -15,6 +15,9 @@ from graphos_core.text import Text
 MIN_SCALING = 6
 """Known points that must agree where a relative orientation carries a photo and they only scale its base."""
 
+CONVINCING = 0.75
+"""Share of the known points that must agree with a resection so that nothing else is tried."""
+
 
 @dataclass(frozen=True)
 class Placement:
@@ -32,6 +35,8 @@ class Placement:
         Root mean square distance (2-D) of the agreeing points, px.
     reason : str
         Why it cannot join; empty where it can.
+    on : tuple of int
+        The neighbour of a relative orientation; empty for a resection.
     """
 
     rotation: Array
@@ -41,6 +46,7 @@ class Placement:
     common: int
     rms_px: float
     reason: str = ""
+    on: tuple[int, ...] = ()
 
     def __bool__(self) -> bool:
         return not self.reason
@@ -80,27 +86,30 @@ def rank_photos(block: GrowingBlock, waiting: list[int]) -> list[tuple[int, int]
 def place_photo(
     block: GrowingBlock, photo: int, *, min_points: int, threshold_px: float, seed: int
 ) -> Placement:
-    """Orient a photo by space resection and by relative orientation to its best neighbour; keep the better one.
+    """Orient a photo by space resection and, where that convinces less, by relative orientation to its best neighbour.
 
-    Better is the one with which more known points agree, and at equal number the smaller residual. Where fewer
+    A resection with which `CONVINCING` of the known points agree is taken; else the better one is kept. Better is the one with which more known points agree, and at equal number the smaller residual. Where fewer
     known points agree than are needed, a relative orientation still holds if enough rays of the pair agree and
     some known points give the length of its base (`MIN_SCALING`).
     """
     seen = block.seen_by(photo)
     points, rays = block.points[block.tracks.track[seen]], block.rays[seen]
     best, method = space_resection(points, rays, threshold_px, seed=seed), Text("space resection")
-    neighbour = best_neighbour(block, photo)
-    pair = relative_to(block, photo, neighbour, seed=seed)
+    on: tuple[int, ...] = ()
+    neighbour, pair = -1, None
+    if best.inliers.sum() < max(2 * min_points, CONVINCING * len(seen)):
+        neighbour = best_neighbour(block, photo)
+        pair = relative_to(block, photo, neighbour, seed=seed)
     if pair is not None:
         name = Text("relative orientation to {photo}", photo=block.names[neighbour])
         relative = refine_resection(pair.rotation, pair.translation, points, rays, threshold_px)
         if (relative.inliers.sum(), -relative.rms) > (best.inliers.sum(), -best.rms):
-            best, method = relative, name
+            best, method, on = relative, name, (neighbour,)
         if best.inliers.sum() < min_points <= pair.rays:
             scaled = judge_resection(pair.rotation, pair.translation, points, rays, 2.0 * threshold_px)
             agreeing = int(scaled.inliers.sum())
             if agreeing >= max(MIN_SCALING, 0.6 * len(seen)):
-                best, method, min_points = scaled, name, agreeing
+                best, method, on, min_points = scaled, name, (neighbour,), agreeing
     count = int(best.inliers.sum())
     reason = ""
     if not best or count < min_points:
@@ -112,7 +121,7 @@ def place_photo(
             limit=threshold_px,
             needed=min_points,
         )
-    return Placement(best.rotation, best.centre, method, count, len(seen), best.rms, reason)
+    return Placement(best.rotation, best.centre, method, count, len(seen), best.rms, reason, on)
 
 
 def best_neighbour(block: GrowingBlock, photo: int) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ from graphos_core.simulation.templates import (
     TripleParams,
     place,
 )
+from graphos_core.store import Store
 
 CAMERA = Camera(model="basic", width=1600, height=1200, values=np.array([1500.0, 799.5, 599.5, -0.06, 0.02]))
 FIXED = IncrementalParams(self_calibration=False)
@@ -227,6 +229,55 @@ def test_of_two_unrelated_groups_the_larger_is_oriented_and_the_other_named() ->
     assert [failure.item for failure in block.failures] == names
     assert all("another group of 3 photos" in failure.reason for failure in block.failures)
     assert len(heard.warnings) == 1 and all(name in heard.warnings[0] for name in names)
+
+
+def test_of_two_unrelated_groups_each_makes_a_block_and_either_can_be_the_main_one() -> None:
+    model = exact_model("grid")
+    second = (3, 4, 11)
+    blocks = orient_incrementally(*two_groups(model, second), FIXED, run=Run(threads=1))
+    (other,) = blocks.others
+    assert set(np.flatnonzero(other.oriented)) <= set(second) and other.oriented.sum() >= 2
+    assert not (other.oriented & blocks.oriented).any()
+    swapped = orient_incrementally(*two_groups(model, second), FIXED.replace(component=2), run=Run(threads=1))
+    assert np.array_equal(swapped.oriented, other.oriented) and np.array_equal(swapped.points, other.points)
+    assert np.array_equal(swapped.others[0].oriented, blocks.oriented)
+    with pytest.raises(ParamError, match="there are 2"):
+        orient_incrementally(*two_groups(model, second), FIXED.replace(component=3), run=Run(threads=1))
+
+
+def test_the_tree_says_who_was_oriented_on_whom() -> None:
+    model = exact_model("grid")
+    block = orient_incrementally(*case(model), FIXED, run=Run(threads=1))
+    tree = block.tree
+    assert tree is not None and sorted(tree.photo) == list(range(len(block.names)))
+    place_of = {int(photo): i for i, photo in enumerate(tree.photo)}
+    assert tree.on[0] == () and tree.on[1] == (int(tree.photo[0]),)
+    seen = np.zeros((len(block.names), len(model.points)), dtype=bool)
+    seen[model.obs_photo, model.obs_point] = True
+    for photo, on, points in zip(tree.photo[2:], tree.on[2:], tree.points[2:], strict=True):
+        assert on and all(place_of[parent] < place_of[int(photo)] for parent in on)
+        assert all((seen[photo] & seen[parent]).sum() > 0 for parent in on)
+        assert 20 <= points <= seen[photo].sum()
+    assert set(tree.method[2:]) <= {"space resection"} | {f"relative orientation to {n}" for n in block.names}
+
+
+def test_the_tree_and_other_blocks_are_kept_in_the_store(tmp_path: Path) -> None:
+    model = exact_model("grid")
+    block = orient_incrementally(*two_groups(model, (3, 4, 11)), FIXED, run=Run(threads=1))
+    store = Store(tmp_path)
+    store.save("orientation", "k", block, {})
+    back = Store(tmp_path).load("orientation", "k")
+    assert back.tree.on == block.tree.on and back.tree.method == block.tree.method
+    assert np.array_equal(back.others[0].points, block.others[0].points)
+
+
+def test_one_photo_of_the_first_pair_can_be_chosen() -> None:
+    model = exact_model("grid")
+    photos, tracks, pairs = case(model)
+    heard = Heard(threads=1)
+    name = photos.photos[7].name
+    block = orient_incrementally(photos, tracks, pairs, FIXED.replace(first_photo=name), run=heard)
+    assert heard.blocks[0].oriented[7] and block.oriented.all()
 
 
 def test_a_photo_that_shares_few_known_points_is_carried_by_one_neighbour() -> None:
