@@ -176,8 +176,8 @@ class GrowingBlock:
         """
         tracks = self.tracks
         before = int(self.used.sum())
-        live = self.oriented[tracks.photo] & self.valid & self.known[tracks.track]
-        live = np.flatnonzero(live if of is None else live & of[tracks.track])
+        there = self.oriented[tracks.photo] & self.valid & self.known[tracks.track]
+        live = np.flatnonzero(there if of is None else there & of[tracks.track])
         self.used[live] = False
         if of is None:
             self.used[:] = False

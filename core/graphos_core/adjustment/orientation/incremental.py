@@ -77,6 +77,7 @@ class IncrementalParams(GrowthParams):
     stage="adjustment",
     role="orientation",
     name="incremental",
+    version=2,
     label="Incremental orientation",
     source="Pierrot-Deseilligny and Cléry 2011 (order of the photos); Nistér 2004 (five points); "
     "Schönberger and Frahm 2016 (rejection and re-intersection)",
