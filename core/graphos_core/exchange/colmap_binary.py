@@ -107,7 +107,7 @@ def _images(file: _Bytes) -> list[Image]:
         number, *pose, camera = file.take("I7dI")
         name = file.word()
         table = file.array(kind, file.count(kind.itemsize))
-        if np.linalg.norm(pose[:4]) < 1e-9 or not np.isfinite(table["xy"]).all():
+        if not 1e-9 < max(abs(v) for v in pose[:4]) < 1e9 or not np.isfinite(table["xy"]).all():
             raise file.damaged()
         images.append(Image(int(number), np.array(pose[:4]), np.array(pose[4:]), int(camera), name,
                             table["xy"], table["point"]))  # fmt: skip

@@ -65,14 +65,14 @@ CONVENTIONS = (
         "Agisoft Metashape user manual 1.5 and later, appendix “Camera models”",
     ),
     Convention(
-        "PhotoModeler", ("photomodeler",), (0.5, 0.5), True, BACKWARD,
+        "PhotoModeler", ("photomodeler",), (0.5, 0.5), False, BACKWARD,
         "mm from the corner of the format; K mm⁻², mm⁻⁴, mm⁻⁶; P mm⁻¹",
         "corrected = measured + correction, y up in the correction; P1 (r² + 2x²) + 2 P2 xy",
         "omega, phi, kappa: world_from_image = Rx Ry Rz; image frame x right, y up, z backward",
         "PhotoModeler help, “Lens Distortion Formulation”; order and signs proved by DBAT's camcaldemo (sigma0 0.16148 px)",
     ),
     Convention(
-        "DBAT", ("dbat",), (0.5, 0.5), True, BACKWARD, "mm from the corner of the format; K mm⁻², …; P mm⁻¹",
+        "DBAT", ("dbat",), (0.5, 0.5), False, BACKWARD, "mm from the corner of the format; K mm⁻², …; P mm⁻¹",
         "model 3: x scaled by 1 + b1 (b1 = 1 − aspect) before the correction, y up", "omega, phi, kappa as PhotoModeler",
         "Börlin, Murtiyoso and Grussenmeyer 2019; proved by camcaldemo",
     ),

@@ -190,14 +190,22 @@ def _items(section: str) -> dict[str, Printed]:
     items: dict[str, Printed] = {}
     for match in re.finditer(r"\n +([^:\n]+):\n +Value:([^\n]*)((?:\n +(?:Deviation|Significance|Cumulative|Correl)[^\n]*)*)",
                              section):  # fmt: skip
-        words = match[2].split()
-        sigma = re.search(r"Deviation:\s+(\S+)", match[3])
-        strong = re.findall(r"(\w+):(-?[\d.]+)%", match[3])
-        items[match[1].split(" - ")[0].strip()] = Printed(
-            float(words[0]), float(sigma[1]) if sigma else None, " ".join(words[1:]),
-            {name: float(percent) / 100.0 for name, percent in strong},
-        )  # fmt: skip
+        title = match[1].split(" - ")[0].strip()
+        try:
+            items[title] = _printed(match[2], match[3])
+        except (ValueError, IndexError):
+            continue  # an item that is no number, such as a setting
     return items
+
+
+def _printed(value: str, rest: str) -> Printed:
+    words = value.split()
+    sigma = re.search(r"Deviation:\s+(\S+)", rest)
+    strong = re.findall(r"(\w+):(-?[\d.]+)%", rest)
+    return Printed(
+        float(words[0]), float(sigma[1]) if sigma else None, " ".join(words[1:]),
+        {name: float(percent) / 100.0 for name, percent in strong},
+    )  # fmt: skip
 
 
 def _stations(text: str) -> tuple[Station, ...]:
