@@ -56,17 +56,18 @@ def differentiate_many(code: int, values: Array, points: Array) -> tuple[Array, 
     NaN where there is no image.
     """
     n = points.shape[0]
-    pixels = np.full((n, 2), np.nan)
-    by_point = np.full((n, 2, 3), np.nan)
-    by_values = np.full((n, 2, values.shape[0]), np.nan)
-    pixel = np.empty(2)
-    d_point = np.empty((2, 3))
-    d_values = np.empty((2, values.shape[0]))
+    pixels = np.empty((n, 2))
+    by_point = np.empty((n, 2, 3))
+    by_values = np.empty((n, 2, values.shape[0]))
     for i in range(n):
-        if project(code, values, points[i, 0], points[i, 1], points[i, 2], pixel, d_point, d_values):
-            pixels[i] = pixel
-            by_point[i] = d_point
-            by_values[i] = d_values
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
+        if not project(code, values, x, y, z, pixels[i], by_point[i], by_values[i]):
+            for a in range(2):
+                pixels[i, a] = np.nan
+                for k in range(3):
+                    by_point[i, a, k] = np.nan
+                for k in range(values.shape[0]):
+                    by_values[i, a, k] = np.nan
     return pixels, by_point, by_values
 
 
