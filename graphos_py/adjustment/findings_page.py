@@ -7,7 +7,7 @@ from html import escape
 
 import numpy as np
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
 
 from graphos_core.data import Adjustment, CheckPoints, Finding, GlobalTest
 from graphos_core.number_format import format_value
@@ -113,24 +113,36 @@ class FindingsPage(ResultPage):
             label.setWordWrap(True)
             label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
             column.addWidget(label)
-        links = QHBoxLayout()
-        links.setSpacing(12)
-        for item in finding.items[:MOST_ITEMS]:
-            links.addWidget(self._link(item, lambda _=False, name=item: self.item_wanted.emit(name)))
-        if len(finding.items) > MOST_ITEMS:
-            links.addWidget(_quiet(tr("and {n} more", n=len(finding.items) - MOST_ITEMS)))
-        links.addStretch(1)
-        if finding.learn:
-            links.addWidget(self._link(tr("Read the lesson"), lambda: self.lesson.emit(finding.learn)))
-        column.addLayout(links)
+        if finding.items or finding.learn:
+            column.addWidget(self._links(finding))
         row.addLayout(column, 1)
         return card
 
-    def _link(self, text: str, then: object) -> QPushButton:
-        button = QPushButton(text)
-        button.setProperty("role", "link")
-        button.clicked.connect(then)
-        return button
+    def _links(self, finding: Finding) -> QLabel:
+        """Return the names a finding gives and its lesson, as links that wrap."""
+        names = finding.items[:MOST_ITEMS]
+        parts = [f"<a href='item:{number}'>{escape(name)}</a>" for number, name in enumerate(names)]
+        if len(finding.items) > MOST_ITEMS:
+            parts.append(escape(tr("and {n} more", n=len(finding.items) - MOST_ITEMS)))
+        if finding.learn:
+            parts.append(f"<a href='lesson:'>{escape(tr('Read the lesson'))}</a>")
+        colour = theme().colour("accent").name()
+        label = QLabel(
+            f"<style>a {{ color: {colour}; text-decoration: none; }}</style>" + " &nbsp;·&nbsp; ".join(parts)
+        )
+        label.setTextFormat(Qt.TextFormat.RichText)
+        label.setWordWrap(True)
+        label.setTextInteractionFlags(Qt.TextInteractionFlag.LinksAccessibleByMouse
+                                      | Qt.TextInteractionFlag.LinksAccessibleByKeyboard)  # fmt: skip
+        label.linkActivated.connect(lambda link, f=finding: self._follow(link, f))
+        return label
+
+    def _follow(self, link: str, finding: Finding) -> None:
+        kind, _, number = link.partition(":")
+        if kind == "item":
+            self.item_wanted.emit(finding.items[int(number)])
+        else:
+            self.lesson.emit(finding.learn)
 
 
 def ordered(findings: tuple[Finding, ...]) -> list[Finding]:

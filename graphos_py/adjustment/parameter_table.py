@@ -11,15 +11,15 @@ from PySide6.QtWidgets import QComboBox, QHeaderView, QTableWidget, QTableWidget
 from graphos_core.adjustment.calibration_choices import settings_text, single_settings
 from graphos_core.cameras.model import Parameter, camera_model
 from graphos_core.data import Camera, Significance
-from graphos_core.number_format import UNKNOWN, format_value
+from graphos_core.number_format import MINUS, UNKNOWN, format_value
 from graphos_core.params import Level
 from graphos_py.adjustment.camera_tiles import bundle_sheet
 from graphos_py.session import Session
 from graphos_py.theme import theme
 from graphos_py.translation import tr
 
-TITLES = ("parameter", "", "value", "state", "t", "correlated with", "next time")
-NAME, SYMBOL, VALUE, STATE, TEST, CORRELATED, NEXT = range(7)
+TITLES = ("parameter", "value", "next time", "t", "correlated with")
+NAME, VALUE, NEXT, TEST, CORRELATED = range(5)
 CHOICES = {"": "as the model says", "free": "free", "fixed": "fixed", "prior": "free with σ …"}
 
 
@@ -68,12 +68,12 @@ class ParameterTable(QTableWidget):
         """Show a camera; `tests` by name of the parameter."""
         self.camera, self.count, self.combos = index, count, {}
         parameters = camera_model(camera.model).parameters
+        symbols = {p.name: p.symbol.replace("_", "") for p in parameters}
         self.setRowCount(len(parameters))
         for row, parameter in enumerate(parameters):
             sigma = math.nan if camera.sigmas is None else float(camera.sigmas[row])
-            for column, text in enumerate(
-                _texts(parameter, float(camera.values[row]), sigma, tests.get(parameter.name))
-            ):
+            texts = _texts(parameter, float(camera.values[row]), sigma, tests.get(parameter.name), symbols)
+            for column, text in enumerate(texts):
                 self.setItem(row, column, _item(text, column, tests.get(parameter.name)))
             combo = self.combos[parameter.name] = QComboBox()
             for key, label in CHOICES.items():
@@ -114,16 +114,22 @@ class ParameterTable(QTableWidget):
             self.choose(name, key)
 
 
-def _texts(parameter: Parameter, value: float, sigma: float, test: Significance | None) -> list[str]:
+def _texts(
+    parameter: Parameter, value: float, sigma: float, test: Significance | None, symbols: dict[str, str]
+) -> list[str]:
     estimated = sigma > 0
-    state = tr("estimated") if estimated else tr("held fixed")
+    name = f"{tr(parameter.label)}  {parameter.symbol.replace('_', '')}"
     shown = format_value(value, sigma if estimated else None, parameter.unit, 6)
+    shown = shown if estimated else tr("{value}, fixed", value=shown)
     if test is None:
-        return [tr(parameter.label), parameter.symbol.replace("_", ""), shown, state, UNKNOWN, ""]
-    mark = "" if test.significant else "  " + tr("not significant")
-    other = f"{test.correlated_with} {test.correlation:+.2f}" if test.correlated_with else ""
-    ratio = format_value(float(np.clip(test.t, 0, 1e6)), digits=3)
-    return [tr(parameter.label), parameter.symbol.replace("_", ""), shown, state, f"{ratio}{mark}", other]
+        return [name, shown, "", UNKNOWN, ""]
+    other = (
+        f"{test.correlated_with} {test.correlation:+.2f}".replace("-", MINUS) if test.correlated_with else ""
+    )
+    if parameter.group == "interior":  # a camera has a principal distance and point whatever their values
+        return [name, shown, "", UNKNOWN, other]
+    mark = "" if test.significant else " < " + format_value(test.limit, digits=2)
+    return [name, shown, "", f"{format_value(float(np.clip(test.t, 0, 1e6)), digits=3)}{mark}", other]
 
 
 def _item(text: str, column: int, test: Significance | None) -> QTableWidgetItem:
@@ -133,7 +139,14 @@ def _item(text: str, column: int, test: Significance | None) -> QTableWidgetItem
         Qt.AlignmentFlag.AlignVCenter | (Qt.AlignmentFlag.AlignRight if right else Qt.AlignmentFlag.AlignLeft)
     )
     if test is not None and column == TEST:
-        item.setToolTip(tr("Limit {limit}", limit=format_value(test.limit, digits=3)))
+        limit = format_value(test.limit, digits=3)
+        item.setToolTip(
+            tr("Significant: |value| / σ exceeds {limit}.", limit=limit)
+            if test.significant
+            else tr(
+                "Not significant: |value| / σ is below {limit}; it could as well be left out.", limit=limit
+            )
+        )
         if not test.significant:
             item.setForeground(theme().colour("warn"))
     if test is not None and column == CORRELATED and abs(test.correlation) > 0.9:

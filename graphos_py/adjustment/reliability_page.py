@@ -60,6 +60,15 @@ class ReliabilityPage(ResultPage):
         self.said.setText("" if found is None else reliability_sentence(found))
         self.table.set_table([] if adjustment is None else suspect_columns(self.rows, adjustment.block.unit))
 
+    def show_observation(self, item: str) -> bool:
+        """Select the observation that a finding names, ``"point 12 in a.jpg"``; say whether it is listed."""
+        for number, row in enumerate(self.rows):
+            if item.endswith(row["photo"]) and str(row["point"]).lstrip("#") in item.split():
+                self.table.select_rows([number])
+                self._row(number)
+                return True
+        return False
+
     def _row(self, row: int) -> None:
         """Show an observation in its photo."""
         project = self.session.project

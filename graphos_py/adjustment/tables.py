@@ -20,7 +20,10 @@ def summary(adjustment: Adjustment, georeference: Georeference) -> list[tuple[st
     facts = [
         (tr("photos oriented"), f"{int(np.sum(block.oriented))} / {len(block.names)}"),
         (tr("object points"), format_value(len(block.points))),
-        (tr("σ0 (1 px a priori)"), format_value(adjustment.sigma0_px, unit="px", digits=3)),
+        (
+            tr("σ0 (a priori {px} px)", px=f"{adjustment.prior_px:.3g}"),
+            format_value(adjustment.sigma0_px, unit="px", digits=3),
+        ),
         (tr("RMS per coordinate"), format_value(adjustment.rms_px, unit="px", digits=3)),
         (tr("observations"), format_value(adjustment.observations)),
         (tr("unknowns"), format_value(adjustment.unknowns)),

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from graphos_core.data import Array, Block, IterationRecord
 from graphos_core.params import Level
 from graphos_py.tabs.stage_tab import StageTab
@@ -121,11 +119,19 @@ class AdjustmentTab(StageTab):
         self.control.take_distance((a, b))
 
     def _show_item(self, name: str) -> None:
-        """Show a photo or control point that a finding names."""
+        """Show the observation, photo or control point that a finding names."""
         names = list(self.result.adjustment.block.names) if self.result is not None else []
-        if name in names:
-            self.session.select_photo(int(np.flatnonzero(np.array(names) == name)[0]))
-            self.views.setCurrentWidget(self.residuals)
-        elif self.control.desk.sheet.index(name) >= 0:
+        photo = next((i for i, candidate in enumerate(names) if name.endswith(candidate)), -1)
+        point = next((p.name for p in self.control.desk.sheet.points if p.name in (name, *name.split())), "")
+        if photo >= 0:
+            self.session.select_photo(photo)
+        if point:
             self.views.setCurrentWidget(self.control)
-            self.control.desk.choose(name)
+            self.control.desk.choose(point)
+        elif photo >= 0 and self.reliability.seen_by(self.panel.level):
+            self.views.setCurrentWidget(self.reliability)
+            self.reliability.show_observation(name)
+        elif photo >= 0:
+            self.views.setCurrentWidget(
+                self.residuals if self.residuals.seen_by(self.panel.level) else self.photos
+            )

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from PySide6.QtCore import QPointF, Qt, QUrl
-from PySide6.QtWidgets import QLabel, QPushButton
+from PySide6.QtWidgets import QLabel
 
 from graphos_core.cameras.profile import radial_profile
 from graphos_core.compare_runs import ComparedRun, compare
@@ -66,12 +66,12 @@ def test_findings_stand_problems_first_and_lead_to_what_they_name(qtbot, result)
     cards = [page.cards.itemAt(i).widget() for i in range(page.cards.count())]
     assert "A blunder." in cards[0].findChildren(QLabel)[1].text()
     assert "All is known." in cards[1].findChildren(QLabel)[1].text()
-    item, lesson = cards[0].findChildren(QPushButton)
+    links = cards[0].findChildren(QLabel)[-1]
     with qtbot.waitSignal(page.item_wanted) as heard:
-        item.click()
+        links.linkActivated.emit("item:0")
     assert heard.args == [result.adjustment.block.names[1]]
     with qtbot.waitSignal(page.lesson) as heard:
-        lesson.click()
+        links.linkActivated.emit("lesson:")
     assert heard.args == ["x/y"]
     assert "3.00" in page.accuracy.text() and "1.00" in page.accuracy.text()
     assert page.groups.model.rowCount() == len(result.adjustment.groups) > 0
@@ -85,7 +85,7 @@ def test_calibration_shows_values_tests_and_correlations(qtbot, session, result)
     page.set_level("expert")
     page.show_result(result)
     assert page.table.rowCount() == 5 and "±" in page.table.item(0, VALUE).text()
-    assert "not significant" in page.table.item(4, TEST).text()
+    assert "<" in page.table.item(4, TEST).text() and "Not significant" in page.table.item(4, TEST).toolTip()
     matrix = page.correlations.matrix
     covariance = result.adjustment.covariance.cameras[0]
     assert np.isclose(matrix[3, 4], covariance[3, 4] / np.sqrt(covariance[3, 3] * covariance[4, 4]))
