@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 from graphos_core.registry import Algorithm
 from graphos_didactic.lessons import Lesson, Trial, default_text, lessons
+
+CAMERA_TABLE = re.compile(r"^:::camera (\w+)", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,23 @@ def lesson_about(algorithm: Algorithm) -> Lesson | None:
     return next((lesson for lesson in lessons().values() if lesson.algorithm == name), None)
 
 
+def camera_lesson(model: str) -> str:
+    """Return the name of the lesson about a camera model, or of one of its kind; empty where there is none.
+
+    Parameters
+    ----------
+    model : str
+        Name of a camera model, such as ``"polynomial5"``.
+    """
+    told = {
+        found: lesson.name for lesson in lessons().values() for found in CAMERA_TABLE.findall(lesson.text)
+    }
+    kind = re.split(r"[_\d]", model)[0]
+    return told.get(model) or next(
+        (name for found, name in told.items() if re.split(r"[_\d]", found)[0] == kind), ""
+    )
+
+
 def full_name(algorithm: Algorithm) -> str:
     """Return stage and name: ``"preprocessing.wallis"``."""
     return f"{algorithm.stage}.{algorithm.name}"
@@ -68,7 +88,7 @@ def explain_algorithm(algorithm: Algorithm) -> Explanation:
         effect="",
         facts=(),
         fails=own.fails if own else "",
-        trials=own.trials if own and own.algorithm else (),
+        trials=tuple(t for t in own.trials if not t.simulator) if own else (),
         source=algorithm.source,
         lesson=lesson.name if lesson else "",
         simulator=lesson.simulator if lesson else "",
@@ -81,7 +101,7 @@ def explain_parameter(algorithm: Algorithm, name: str) -> Explanation:
     about = declaration.about
     own = lessons().get(about.learn) or lesson_about(algorithm)
     fitting = own is not None and own.algorithm == full_name(algorithm)
-    trials = tuple(t for t in (own.trials if own and fitting else ()) if name in t.values)
+    trials = tuple(t for t in (own.trials if own and fitting else ()) if name in t.values and not t.simulator)
     return Explanation(
         title=about.label,
         what=about.help,

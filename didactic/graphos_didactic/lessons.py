@@ -20,7 +20,8 @@ In the text ``$…$`` is a formula, and three directives stand for what the prog
 - ``:::picture adjustment/intersection PRESET`` or ``… a_x=-3 b_x=3``: the scene of a simulator, drawn by the engine;
 - ``:::camera fraser``: formula, direction and parameters of a camera model.
 
-What there is to try are parameters of the algorithm; in a lesson without one, those of its simulator.
+What there is to try are parameters of the algorithm; with ``simulator = true``, or in a lesson without an algorithm, those
+of its simulator.
 """
 
 from __future__ import annotations
@@ -46,10 +47,11 @@ NUMBER = re.compile(r"\{\{(\w+)\.(\w+)\.(\w+)(\.range)?\}\}")
 
 @dataclass(frozen=True)
 class Trial:
-    """Something to try: what, and the parameter values that do it."""
+    """Something to try: what, the parameter values that do it, and whether they are those of the simulator."""
 
     what: str
     values: dict[str, Any]
+    simulator: bool = False
 
 
 @dataclass(frozen=True)
@@ -130,8 +132,11 @@ def read_lesson(name: str, source: str) -> Lesson:
         if head is None:
             raise ValueError("it does not begin with +++")
         about = tomllib.loads(f"\n{head[1]}\n")  # so that lines are counted as in the file
-        trials = tuple(Trial(str(t["what"]), dict(t["values"])) for t in about.get("try", ()))
         plain = {k: str(about.get(k, "")) for k in ("algorithm", "simulator", "formula", "fails")}
+        trials = tuple(
+            Trial(str(t["what"]), dict(t["values"]), bool(t.get("simulator", not plain["algorithm"])))
+            for t in about.get("try", ())
+        )
         return Lesson(name, str(about["title"]), source[head.end() :].strip() + "\n", trials=trials, **plain)
     except (ValueError, KeyError, TypeError) as problem:
         raise UserError(Text("The lesson {name} cannot be read: {why}.", name=name, why=problem)) from problem
@@ -223,14 +228,14 @@ def _handled(parameter: Parameter) -> str:
     return f"{words[parameter.default]}. {parameter.reason}" if parameter.reason else words[parameter.default]
 
 
-def trial_sheet(lesson: Lesson) -> type[Params] | None:
-    """Return the sheet whose parameters a lesson's trials set: of its algorithm, else of its simulator."""
-    if lesson.algorithm:
-        return find(*lesson.algorithm.split(".", 1)).params
-    if lesson.simulator:
+def trial_sheet(lesson: Lesson, trial: Trial) -> type[Params] | None:
+    """Return the sheet whose parameters a trial sets: of the lesson's algorithm or of its simulator."""
+    if trial.simulator and lesson.simulator:
         from graphos_didactic.simulator import find_simulator
 
         return find_simulator(lesson.simulator).params
+    if lesson.algorithm:
+        return find(*lesson.algorithm.split(".", 1)).params
     return None
 
 

@@ -83,10 +83,14 @@ class LessonPage(QWidget):
             bind_icon(play, "run", "on_accent")
             play.clicked.connect(lambda: self.simulator_asked.emit(self.lesson.simulator))
             column.addWidget(play)
-        if self.lesson.trials:
-            own = tr("Try this on your own photos") if self.lesson.algorithm else tr("Try this")
-            column.addWidget(_group(own))
-            for trial in self.lesson.trials:
+        for own, heading in (
+            (False, tr("Try this in the simulator")),
+            (True, tr("Try this on your own photos")),
+        ):
+            trials = [trial for trial in self.lesson.trials if trial.simulator is not own]
+            if trials:
+                column.addWidget(_group(heading))
+            for trial in trials:
                 column.addWidget(self._card(trial))
         self.go = QPushButton()
         self.go.hide()
@@ -112,7 +116,7 @@ class LessonPage(QWidget):
         change = QLabel(self._change(trial))
         change.setWordWrap(True)
         change.setProperty("role", "caption")
-        button = QPushButton(tr("Set it") if self.lesson.algorithm else tr("Show it"))
+        button = QPushButton(tr("Show it") if trial.simulator else tr("Set it"))
         button.clicked.connect(partial(self.try_it, trial))
         self.tries.append(button)
         for widget in (what, change):
@@ -122,7 +126,7 @@ class LessonPage(QWidget):
 
     def _change(self, trial: Trial) -> str:
         """Return which parameters are set, with what they normally are."""
-        sheet = trial_sheet(self.lesson)
+        sheet = trial_sheet(self.lesson, trial)
         declarations = sheet.declarations() if sheet else {}
         lines = []
         for name, value in trial.values.items():
@@ -143,7 +147,7 @@ class LessonPage(QWidget):
 
     def try_it(self, trial: Trial) -> None:
         """Put the parameter set into the recipe, or open the simulator with it; choose the algorithm if not in use."""
-        if not self.lesson.algorithm:
+        if trial.simulator:
             self.simulator_tried.emit(self.lesson.simulator, trial.values)
             return
         recipe = self.session.recipe

@@ -15,7 +15,7 @@ import graphos_didactic
 from graphos_core.cameras.model import camera_models
 from graphos_core.errors import GraphosError, UserError
 from graphos_core.registry import STAGES, algorithms, find
-from graphos_didactic.explain import explain_algorithm, explain_parameter, lesson_about
+from graphos_didactic.explain import camera_lesson, explain_algorithm, explain_parameter, lesson_about
 from graphos_didactic.lessons import (
     NUMBER,
     Lesson,
@@ -89,8 +89,8 @@ def test_every_directive_of_a_lesson_is_known(name: str) -> None:
 @pytest.mark.parametrize("name", ALL)
 def test_every_trial_of_a_lesson_is_valid_and_changes_something(name: str) -> None:
     lesson = find_lesson(name)
-    sheet = trial_sheet(lesson)
     for trial in lesson.trials:
+        sheet = trial_sheet(lesson, trial)
         assert sheet is not None
         assert sheet.from_dict(trial.values) != sheet(), trial.what
     if lesson.simulator:
@@ -209,3 +209,19 @@ def test_every_kind_of_camera_model_has_a_lesson_with_its_table() -> None:
         "spherical",
     }
     assert kinds <= told
+
+
+@pytest.mark.parametrize(
+    ("model", "lesson"),
+    [
+        ("complete", "camera-complete"),
+        ("polynomial6", "camera-polynomial"),
+        ("fisheye_equidistant", "camera-fisheye"),
+        ("brown_backward", "camera-brown"),
+        ("radial", "camera-radial"),
+    ],
+)
+def test_a_camera_model_leads_to_its_lesson(model: str, lesson: str) -> None:
+    assert model in camera_models()
+    assert camera_lesson(model) == f"adjustment/{lesson}"
+    assert camera_lesson("nonsense") == ""

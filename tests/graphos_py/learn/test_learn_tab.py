@@ -243,7 +243,7 @@ def test_a_trial_of_a_lesson_without_an_algorithm_opens_its_simulator(session: S
         "x",
         "text\n",
         simulator="adjustment/intersection",
-        trials=(Trial("x", {"a_x": -4.0}),),
+        trials=(Trial("x", {"a_x": -4.0}, simulator=True),),
     )
     page = LessonPage(session, lesson)
     qtbot.addWidget(page)

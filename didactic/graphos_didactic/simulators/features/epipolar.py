@@ -43,6 +43,7 @@ from graphos_didactic.simulators.features.epipolar_model import (
 from graphos_didactic.simulators.features.epipolar_space import space_marks
 from graphos_didactic.simulators.features.epipolar_tasks import PREDICTION, epipolar_task
 from graphos_didactic.simulators.format_edges import line_in_format
+from graphos_didactic.simulators.observed_space import space_panel
 from graphos_didactic.simulators.pictured_plane import Plane, photo_or_simulated, photograph
 
 WALL_WIDTH = 10.0
@@ -126,8 +127,7 @@ def _panels(both: TwoCameras) -> tuple[Panel, ...]:
               kind="picture", equal=True, y_down=True),
         Panel(name="photo_b", title="Photo B", rect=(0.635, 0.0, 0.365, 0.47), x_range=across, y_range=down,
               kind="picture", equal=True, y_down=True),
-        Panel(name="space", title="In space", rect=(0.0, 0.60, 0.27, 0.40), x_range=(-200, 200),
-              y_range=(-165, 165), kind="picture", equal=True, y_down=True),
+        space_panel("In space", (0.0, 0.60, 0.27, 0.40)),
         Panel(name="depths", title="Depth along the line", rect=(0.27, 0.47, 0.33, 0.53), x_range=(0.0, 20.0),
               y_range=(low - 20, high + 20), x_label="depth in camera A [m]", y_label="x in photo B [px]"),
         Panel(name="numbers", title="Numbers", rect=(0.60, 0.47, 0.40, 0.53), kind="sheet"),

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from graphos_didactic.scene import AnyMark, Handle, Role
-from graphos_didactic.simulators.features.epipolar_model import FAR, NEAR, EpipolarParams, TwoCameras
+from graphos_didactic.simulators.features.epipolar_model import FAR, NEAR, TwoCameras
+from graphos_didactic.simulators.features.epipolar_space import observer
 
 ROLES: tuple[Role, Role] = ("first", "second")
 
@@ -33,7 +34,7 @@ def handle_marks(both: TwoCameras) -> list[AnyMark]:
         Handle(panel="plan", name="point", thing="point", label="Point P", role="truth", nudge=(0.1, 0.1),
                at=(p.p_x, p.p_y), parameters=("p_x", "p_y"), move=lambda u, v: {"p_x": u, "p_y": v})
     )  # fmt: skip
-    return [*marks, *_photo_handles(both), _orbit(p)]
+    return [*marks, *_photo_handles(both), observer(p).orbit_handle()]
 
 
 def _photo_handles(both: TwoCameras) -> list[AnyMark]:
@@ -68,9 +69,3 @@ def _photo_handles(both: TwoCameras) -> list[AnyMark]:
                             at=(p.guess_x, p.guess_y), parameters=("guess_x", "guess_y"), nudge=step,
                             move=lambda x, y: {"guess_x": x, "guess_y": y}))  # fmt: skip
     return marks
-
-
-def _orbit(p: EpipolarParams) -> Handle:
-    return Handle(panel="space", name="orbit", thing="", label="View from", role="neutral", freedom="x",
-                  at=(p.orbit, 150.0), parameters=("orbit",), nudge=(5.0, 0.0),
-                  move=lambda x, _: {"orbit": x})  # fmt: skip
