@@ -34,6 +34,8 @@ def add_compare(words: Any) -> None:
 
 def add_adjust(words: Any, common: Callable[[argparse.ArgumentParser], None]) -> None:
     """Add the word ``adjust`` to the command line."""
+    from graphos_core.adjustment.bundle.sheet import CALIBRATIONS
+
     adjust = words.add_parser(
         "adjust", help="adjust a project or run again, with another recipe, control or calibration"
     )
@@ -51,6 +53,6 @@ def add_adjust(words: Any, common: Callable[[argparse.ArgumentParser], None]) ->
         "--control", type=Path, help="control points (CSV); measurements in NAME_measurements.csv beside it"
     )
     adjust.add_argument(
-        "--calibration", metavar="MODEL", help="what the self-calibration estimates: fixed, basic, …; an unknown name lists all"
+        "--calibration", choices=CALIBRATIONS, metavar="MODEL", help="what the photos calibrate: " + ", ".join(CALIBRATIONS)
     )  # fmt: skip
     common(adjust)

@@ -50,10 +50,11 @@ key                    meaning
 ``georeferencing``     ``method``; ``scale`` (m per model unit); ``origin_m`` (add it to coordinates); ``rms_m`` and
                        ``check_rms_m`` per coordinate (null where there are none); ``points[]`` with ``name, check,
                        residual_m``
-``control``            ``how`` (``weighted observations`` or ``similarity``); ``count``; ``rms_m`` per axis; ``points[]`` with
+``control``            ``how`` (``weighted observations``, ``held fixed``, ``similarity``); ``count``; ``rms_m`` per axis; ``points[]`` with
                        ``name, residual_m, sigma_m`` (a priori), ``w``, per axis
 ``check``              check points, apart from control: ``count``; ``mean_m, rms_m`` per axis; ``predicted_m`` (root mean
-                       square per axis of ``√(σ² + σ_given²)``); ``points[]`` with ``name, residual_m, sigma_m`` (computed
+                       square per axis of ``√(σ² + σ_given²)``); ``points[]`` with ``name, role`` (``check``, or ``placed`` where it
+                       placed the block by the similarity), ``residual_m, sigma_m`` (computed
                        coordinates), ``given_sigma_m``, ``normalised``
 ``known[]``            every other group: ``kind, unit, count, listed``, ``observations[]`` with ``label, observed, residual,
                        sigma, redundancy_number, w, mdb``

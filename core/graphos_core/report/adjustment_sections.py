@@ -54,9 +54,8 @@ def adjustment_section(report: dict[str, Any], adjustment: Adjustment) -> Sectio
     if picture is not None:
         parts.append(picture)
     if report["left_out"]:
-        names = ", ".join(p["part"].lower() for p in report["left_out"])
-        why = report["left_out"][0]["reason"]
-        parts.append(Paragraph(Text("Not shown, because {why}: {names}.", why=why, names=names), soft=True))
+        lines = "; ".join(f"{p['part'].lower()} ({p['reason']})" for p in report["left_out"])
+        parts.append(Paragraph(Text("Not shown: {parts}.", parts=lines), soft=True))
     return Section("adjustment", Text("Adjustment"), "adjustment/sigma0", parts)
 
 

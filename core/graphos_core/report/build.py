@@ -108,16 +108,17 @@ def adjustment_parts(adjustment: Adjustment, placed: Georeference) -> dict[str, 
 
 def left_out(adjustment: Adjustment) -> list[dict[str, str]]:
     """Return the parts an adjustment does not fill, each with one line saying why."""
-    stored = Text("the stored adjustment has none of them")
-    missing = {
-        Text("Groups of observations"): bool(adjustment.groups),
-        Text("Global test"): adjustment.global_test is not None,
-        Text("Correlations of the camera parameters"): adjustment.covariance is not None,
-        Text("Reliability"): adjustment.reliability is not None,
-        Text("Significance of the camera parameters"): bool(adjustment.significance)
-        or all(c.sigmas is None or not c.sigmas.any() for c in adjustment.block.cameras),
-    }
-    return [{"part": str(part), "reason": str(stored)} for part, there in missing.items() if not there]
+    stored = Text("the stored adjustment has none")
+    test = Text("a priori standard deviations that were taken from the residuals cannot be tested by them")
+    held = all(c.sigmas is None or not c.sigmas.any() for c in adjustment.block.cameras)
+    missing = (
+        (Text("Groups of observations"), bool(adjustment.groups), stored),
+        (Text("Global test"), adjustment.global_test is not None, test if adjustment.groups else stored),
+        (Text("Correlations of the camera parameters"), adjustment.covariance is not None, stored),
+        (Text("Reliability"), adjustment.reliability is not None, stored),
+        (Text("Significance of the camera parameters"), bool(adjustment.significance) or held, stored),
+    )
+    return [{"part": str(part), "reason": str(reason)} for part, there, reason in missing if not there]
 
 
 def data_hash(photos: PhotoSet) -> str:

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from graphos_core.number_format import MINUS, format_number
+from graphos_core.number_format import MINUS, format_number, format_value
 from graphos_core.rendering.colour_maps import colour_table
 from graphos_core.report.page import Picture
-from graphos_core.report.plot import BLUE, ORANGE, Axis, Plot
+from graphos_core.report.plot import BLUE, ORANGE, Axis, Plot, fitted
 from graphos_core.text import Text
 
 CONFIDENCE = 1.959964
@@ -51,7 +51,9 @@ def profile_picture(profile: dict[str, Any], label: str) -> Picture:
         known = profile[key]["sigma_px"]
         sigma = np.zeros(len(shift)) if known is None else np.array(known, dtype=np.float64)
         focal = format_number(profile[key]["focal_px"], digits=6)
-        label_of = Text("{title}, f = {f} px (band: 95 %)", title=title, f=focal)
+        label_of = Text("{title}, f = {f} px", title=title, f=focal)
+        if known is not None:
+            label_of = Text("{label} with 95 % band", label=label_of)
         curves.append((shift, CONFIDENCE * np.nan_to_num(sigma), label_of, colour))
     low = min(float(np.nanmin(s - half)) for s, half, _, _ in curves)
     high = max(float(np.nanmax(s + half)) for s, half, _, _ in curves)
@@ -62,7 +64,12 @@ def profile_picture(profile: dict[str, Any], label: str) -> Picture:
     for shift, half, title, colour in curves:
         plot.band(radius, shift - half, shift + half, "", colour)
         plot.line(radius, shift, title, colour, weight=2)
-    return Picture(alt, svg=plot.svg(), caption=profile["note"])
+    caption = profile["note"]
+    if profile["gaussian"]["sigma_px"] is not None:
+        at_end = [format_value(curves[k][1][-1] / CONFIDENCE, unit="px", digits=2) for k in (0, 1)]
+        caption = Text("{note} σ at the farthest corner: {a} Gaussian, {b} balanced.", note=caption, a=at_end[0],
+                       b=at_end[1])  # fmt: skip
+    return Picture(alt, svg=plot.svg(), caption=caption)
 
 
 def uncertainty_picture(found: dict[str, Any], width: int, height: int, label: str) -> Picture:
@@ -76,8 +83,8 @@ def uncertainty_picture(found: dict[str, Any], width: int, height: int, label: s
     colours = colour_table("viridis")[np.clip(np.nan_to_num(values) / (top or 1.0) * 255, 0, 255).astype(int)]
     texts = [[format_number(v, digits=2) for v in row] for row in values]
     alt = Text("Projection uncertainty of {label} over the format", label=label)
-    wide = 620
-    plot = Plot(Axis(0, columns, ticks=False), Axis(0, rows, ticks=False), alt, width=wide,
-                height=round((wide - 16) * height / width) + 16, downwards=True, margins=(8, 8, 8, 8))  # fmt: skip
+    wide, high = fitted(width, height, 620, 460)
+    plot = Plot(Axis(0, columns, ticks=False), Axis(0, rows, ticks=False), alt, width=wide + 16, height=high + 16,
+                downwards=True, margins=(8, 8, 8, 8))  # fmt: skip
     plot.cells(np.arange(columns + 1.0), np.arange(rows + 1.0), colours, texts)
     return Picture(alt, svg=plot.svg(), caption=found["note"])

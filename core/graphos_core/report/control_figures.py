@@ -38,16 +38,25 @@ def control(adjustment: Adjustment, placed: Georeference) -> dict[str, Any] | No
         points = _weighted(group)
         how = "weighted observations"
     else:
-        taken = ~np.asarray(placed.check, dtype=bool)
+        taken = [i for i in range(len(placed.names)) if not placed.check[i]]
+        fixed = bool(adjustment.groups) and not _only_compared(adjustment, placed)
         points = [
-            {"name": placed.names[i], "residual_m": placed.residuals[i], "sigma_m": None, "w": None}
-            for i in np.flatnonzero(taken)
+            {"name": placed.names[i], "residual_m": np.zeros(3) if fixed else placed.residuals[i], "sigma_m": None,
+             "w": None}
+            for i in taken
         ]  # fmt: skip
-        how = "similarity"
+        how = "held fixed" if fixed else "similarity"
     if not points:
         return None
     residuals = np.array([p["residual_m"] for p in points], dtype=np.float64)
     return {"how": how, "count": len(points), "rms_m": rms_per_axis(residuals), "points": points}
+
+
+def _only_compared(adjustment: Adjustment, placed: Georeference) -> bool:
+    """Say whether control points only placed the block and are compared with it afterwards."""
+    if adjustment.check is None:
+        return False
+    return any(n in adjustment.check.names for n, c in zip(placed.names, placed.check, strict=True) if not c)
 
 
 def _weighted(group: ObservationGroup) -> list[dict[str, Any]]:
@@ -78,6 +87,7 @@ def check(adjustment: Adjustment, placed: Georeference) -> dict[str, Any] | None
         sigmas = given = np.full((len(kept), 3), np.nan)
     if not len(names):
         return None
+    placing = {n for n, c in zip(placed.names, placed.check, strict=True) if not c}
     predicted = np.sqrt(sigmas**2 + np.nan_to_num(given) ** 2)
     return {
         "count": len(names),
@@ -85,7 +95,8 @@ def check(adjustment: Adjustment, placed: Georeference) -> dict[str, Any] | None
         "rms_m": rms_per_axis(residuals),
         "predicted_m": rms_per_axis(predicted),
         "points": [
-            {"name": names[i], "residual_m": residuals[i], "sigma_m": sigmas[i], "given_sigma_m": given[i],
+            {"name": names[i], "role": "placed" if names[i] in placing else "check", "residual_m": residuals[i],
+             "sigma_m": sigmas[i], "given_sigma_m": given[i],
              "normalised": residuals[i] / np.where(predicted[i] > 0, predicted[i], np.nan)}
             for i in range(len(names))
         ],

@@ -51,6 +51,11 @@ def control_section(report: dict[str, Any], adjustment: Adjustment, given: Contr
             "{note} σ: a priori, of the given coordinate. w: standardised residual (Baarda).", note=note
         )
         line = Text("{n} control points take part as weighted observations.", n=found["count"])
+    elif found["how"] == "held fixed":
+        line = Text(
+            "{n} control points are held fixed: they have no residuals and are no observations.",
+            n=found["count"],
+        )
     else:
         line = Text("The block was placed by a similarity on {n} control points; their residuals do not show the "
                     "accuracy of the block.", n=found["count"])  # fmt: skip
@@ -73,20 +78,23 @@ def check_section(report: dict[str, Any]) -> Section | None:
         cells = _mm(p["residual_m"], d)
         if known:
             cells = [f"{v} ± {s}" for v, s in zip(cells, _mm(p["sigma_m"], d), strict=True)]
-        rows.append((p["name"], *cells, *(_cells(p["normalised"]) if known else ())))
+        rows.append((p["name"], p["role"], *cells, *(_cells(p["normalised"]) if known else ())))
     blank = [""] * 3 if known else []
-    rows.append((Text("RMS: accuracy"), *_mm(found["rms_m"], d), *blank))
-    rows.append((Text("Mean"), *_mm(found["mean_m"], d), *blank))
+    rows.append((Text("RMS: accuracy"), "", *_mm(found["rms_m"], d), *blank))
+    rows.append((Text("Mean"), "", *_mm(found["mean_m"], d), *blank))
     if known:
-        rows.append((Text("Expected from σ: precision"), *_mm(found["predicted_m"], d), *blank))
-    heads = ("Point", *(f"Δ{axis}{' ± σ' if known else ''} mm" for axis in "XYZ"),
+        rows.append((Text("Expected from σ: precision"), "", *_mm(found["predicted_m"], d), *blank))
+    heads = ("Point", "Role", *(f"Δ{axis}{' ± σ' if known else ''} mm" for axis in "XYZ"),
              *((f"Δ/σ {axis}" for axis in "XYZ") if known else ()))  # fmt: skip
     note = Text(
         "Δ: computed − given; check points took no part in the adjustment, so Δ is accuracy. σ: of the computed "
         "coordinate, from the covariance, so it is precision; Δ/σ also counts the standard deviation of the given "
-        "coordinate. A mean far from 0 is a shift, a tilt or a bend of the block."
+        "coordinate. A mean far from 0 is a shift, a tilt or a bend of the block. "
+        "Role “placed”: the point placed the block by the similarity, so it shows less than the whole error."
     )  # fmt: skip
-    return Section("check", Text("Check points"), "adjustment/check-points", [Table(heads, rows, note=note)])
+    return Section(
+        "check", Text("Check points"), "adjustment/check-points", [Table(heads, rows, left=2, note=note)]
+    )
 
 
 def known_section(report: dict[str, Any]) -> Section | None:

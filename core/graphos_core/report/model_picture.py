@@ -30,11 +30,11 @@ def overview(pipeline: Pipeline) -> tuple[str, str]:
     if adjusted is None:
         return "", ""
     block = adjusted.adjustment.block
-    points, colours, what = block.points, block.colours, "object points"
+    points, colours, what = block.points, block.colours, Text("object points")
     if dense is not None and len(dense.cloud.points):
-        points, colours, what = dense.cloud.points, dense.cloud.colours, "dense cloud"
+        points, colours, what = dense.cloud.points, dense.cloud.colours, Text("points of the dense cloud")
     up = upward(block, adjusted.georeference.method)
-    caption = Text("{n} points of the {what}, and the cameras.", n=format_value(len(points)), what=what)
+    caption = Text("{n} {what}, and the cameras.", n=format_value(len(points)), what=what)
     return _jpeg(model_picture(block, points, colours, up)), caption
 
 

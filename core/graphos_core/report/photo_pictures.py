@@ -7,7 +7,7 @@ import numpy as np
 from graphos_core.data import Adjustment, Array, Camera
 from graphos_core.number_format import format_number
 from graphos_core.report.page import Picture
-from graphos_core.report.plot import BLUE, RED, Axis, Plot
+from graphos_core.report.plot import BLUE, RED, Axis, Plot, fitted
 from graphos_core.text import Text
 
 CELLS = 16
@@ -36,7 +36,7 @@ def sensor_picture(adjustment: Adjustment, camera: int) -> Picture | None:
         "Mean residual vectors over the sensor of {label}",
         label=body.label or Text("camera {n}", n=camera + 1),
     )
-    plot = _sensor(body, alt, 620, 34)
+    plot = _sensor(body, alt, (600, 460), 34)
     plot.arrows(centres[:, 0], centres[:, 1], scale * means[:, 0], scale * means[:, 1], BLUE, 1.6)
     _scale_arrow(plot, body, _round(length), scale)
     chance = float(np.median(errors))
@@ -74,7 +74,7 @@ def photo_picture(adjustment: Adjustment, photo: int, length: float, longest: fl
     scale = max(camera.width, camera.height) / 12.0 / (length or 1e-9)
     xy, v = block.obs_xy[mine], scale * adjustment.residuals[mine]
     alt = Text("Residual vectors of {name}", name=block.names[photo])
-    plot = _sensor(camera, alt, 330, 8)
+    plot = _sensor(camera, alt, (314, 300), 8)
     long = lengths > longest
     for kept, colour in ((~long, BLUE), (long, RED)):
         plot.arrows(xy[kept, 0], xy[kept, 1], v[kept, 0], v[kept, 1], colour)
@@ -83,13 +83,14 @@ def photo_picture(adjustment: Adjustment, photo: int, length: float, longest: fl
         "{name}: RMS {rms} px", name=block.names[photo], rms=format_number(rms, digits=3)))  # fmt: skip
 
 
-def _sensor(camera: Camera, alt: str, width: int, below: int) -> Plot:
+def _sensor(camera: Camera, alt: str, box: tuple[int, int], below: int) -> Plot:
     margin = 8
-    height = round((width - 2 * margin) * camera.height / camera.width) + margin + below
+    width, height = fitted(camera.width, camera.height, *box)
     x, y = Axis(-0.5, camera.width - 0.5, ticks=False), Axis(-0.5, camera.height - 0.5, ticks=False)
     return Plot(
-        x, y, alt, width=width, height=height, downwards=True, margins=(margin, margin, margin, below)
-    )
+        x, y, alt, width=width + 2 * margin, height=height + margin + below, downwards=True,
+        margins=(margin, margin, margin, below),
+    )  # fmt: skip
 
 
 def _scale_arrow(plot: Plot, camera: Camera, length: float, scale: float) -> None:

@@ -50,7 +50,7 @@ class Plot:
 
     def __init__(
         self, x: Axis, y: Axis, alt: str, *, width: int = 720, height: int = 260, downwards: bool = False,
-        margins: tuple[int, int, int, int] = (64, 30, 16, 46),
+        margins: tuple[int, int, int, int] = (74, 30, 16, 46),
     ) -> None:  # fmt: skip
         self.x, self.y, self.alt = x, y, alt
         self.width, self.height, self.downwards, self.margins = width, height, downwards, margins
@@ -213,6 +213,12 @@ class Plot:
             parts.append(_text(x + 28, y, label, "start", SIZE - 1, INK))
             x += 48 + 6.7 * len(label)
         return parts
+
+
+def fitted(wide: float, high: float, width: int, height: int) -> tuple[int, int]:
+    """Return the largest size (width, height) with the shape wide : high that fits into a box, px."""
+    scale = min(width / wide, height / high)
+    return max(1, round(scale * wide)), max(1, round(scale * high))
 
 
 def nice_ticks(low: float, high: float, most: int) -> Array:

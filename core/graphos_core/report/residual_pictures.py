@@ -143,7 +143,7 @@ def convergence_picture(adjustment: Adjustment) -> Picture | None:
     alt = Text("Cost of each iteration above the final one")
     plot = Plot(Axis(0.0, float(len(costs) - 1), Text("accepted iteration")),
                 Axis(low, max(high, low + 1), Text("log₁₀ (cost / final − 1)")), alt, height=220,
-                margins=(64, 12, 16, 46))  # fmt: skip
+                margins=(74, 12, 16, 46))  # fmt: skip
     plot.line(np.arange(len(above))[good], exponents, "", BLUE, weight=2)
     plot.dots(np.arange(len(above))[good], exponents, "", ORANGE, 3.5)
     return Picture(alt, svg=plot.svg(), caption=Text(

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.special import chdtri
 
 from graphos_core.number_format import format_number
+from graphos_core.report.values import rms_per_axis
 from graphos_core.text import Text
 
 ALPHA = 0.01
@@ -36,11 +37,17 @@ def statement(report: dict[str, Any]) -> dict[str, Any] | None:
                 "as a whole, such as a wrong calibration or wrong control."
             )
         return _made("not checked", precision, accuracy, math.nan)
+    independent = [p for p in found["points"] if p["role"] == "check"]
+    if not independent:
+        return _made("not checked", precision, Text(
+            "All points that are compared also placed the block: accuracy is not known, for a similarity takes up part of "
+            "every error."), math.nan)  # fmt: skip
+    d = np.array([p["residual_m"] for p in independent], dtype=np.float64)
     accuracy = Text(
         "Accuracy: {count} check points that took no part are missed by {x} mm in X, {y} mm in Y and {z} mm in Z (root "
-        "mean square).", count=found["count"], **dict(zip("xyz", _millimetres(found["rms_m"]), strict=True)),
+        "mean square).", count=len(independent), **dict(zip("xyz", _millimetres(rms_per_axis(d)), strict=True)),
     )  # fmt: skip
-    normalised = np.array([p["normalised"] for p in found["points"]], dtype=np.float64).ravel()
+    normalised = np.array([p["normalised"] for p in independent], dtype=np.float64).ravel()
     normalised = normalised[np.isfinite(normalised)]
     if not len(normalised):
         text = Text("{accuracy} Their own standard deviations are not known, so the two cannot be set against each "
@@ -85,5 +92,5 @@ def _made(verdict: str, precision: str, accuracy: str, factor: float) -> dict[st
     }  # fmt: skip
 
 
-def _millimetres(metres: list[float]) -> list[str]:
-    return [format_number(1000.0 * v, digits=2) for v in metres]
+def _millimetres(metres: list[float] | None) -> list[str]:
+    return [format_number(1000.0 * v, digits=2) for v in metres or [math.nan] * 3]

@@ -5,16 +5,17 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from graphos_core.data import Adjustment, Georeference
 from graphos_core.errors import UserError
 from graphos_core.project_file import FILE
 from graphos_core.recipe import Recipe
+from graphos_core.results import AdjustmentResult
+from graphos_core.steps import steps_of
 from graphos_core.store import Store
 from graphos_core.text import Text
 
-LAST_STEP = "georeference"
+LAST_STEP = steps_of("adjustment")[-1].name
 """Step whose result is the adjusted block in its frame."""
 
 
@@ -45,7 +46,7 @@ def load_compared_run(path: Path) -> ComparedRun:
     ----------
     path : Path
         A project folder (its newest run), a run's folder (``MODEL/runs/0001``), or the folder of a stored result
-        of the last step of the adjustment (``MODEL/results/georeference/KEY``).
+        of the last step of the adjustment (``MODEL/results/adjustment/KEY``).
 
     Raises
     ------
@@ -107,7 +108,9 @@ def _stored(project: Path, key: str, label: str, recipe: Recipe | None) -> Compa
     store = Store(project / "results")
     if not store.has(LAST_STEP, key):
         raise _nothing(project)
-    found: Any = store.load(LAST_STEP, key)
+    found = store.load(LAST_STEP, key)
+    if not isinstance(found, AdjustmentResult):
+        raise _nothing(project)
     return ComparedRun(label, found.adjustment, found.georeference, recipe)
 
 

@@ -53,7 +53,8 @@ def test_only_the_adjustment_room_of_a_recipe_is_used(small_project: Project, tm
 def test_an_unknown_calibration_lists_what_is_declared(
     small_project: Project, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["adjust", str(small_project.folder), "--out", str(tmp_path), "--calibration", "magic"]) == 1
+    with pytest.raises(SystemExit, match="2"):
+        main(["adjust", str(small_project.folder), "--out", str(tmp_path), "--calibration", "magic"])
     told = capsys.readouterr().err
     declared = registry.find("adjustment", "schur").params.declarations()["calibration"].options
     assert declared

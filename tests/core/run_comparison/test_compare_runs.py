@@ -20,25 +20,21 @@ from graphos_core.geometry.rotation import matrix_from_vector
 from graphos_core.geometry.similarity import Similarity
 from graphos_core.project import Project
 from graphos_core.recipe import Recipe
-from graphos_core.run_comparison.loading import ComparedRun
+from graphos_core.run_comparison.loading import LAST_STEP, ComparedRun
 from graphos_core.run_comparison.recipes import recipe_difference
 
 
 @pytest.fixture(scope="module")
-def folders(small_project: Project) -> tuple[Path, Path]:
-    """Two runs of the small block: as it is, and with the principal point and distortion held fixed."""
-    home = small_project.folder
-    base = ["run", str(home), "--out", str(home), "--until", "adjustment", "--recipe"]
-    recipes = home / "a.toml", home / "b.toml"
-    Recipe.default().save(recipes[0])
-    Recipe.default().set("adjustment.schur.free_k2=false").set("adjustment.schur.robust=none").save(
-        recipes[1]
-    )
-    folders = []
-    for recipe in recipes:
-        assert main([*base, str(recipe)]) == 0
-        folders.append(sorted((home / "runs").iterdir())[-1])
-    return folders[0], folders[1]
+def folders(small_project: Project, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """Two runs of the small block in a project of its own: as it is, and with other parameters."""
+    home = tmp_path_factory.mktemp("compared") / "model"
+    base = ["adjust", str(small_project.folder), "--out", str(home)]
+    other = ["--set", "adjustment.schur.parameters=k2=fixed", "--set", "adjustment.schur.robust=none"]
+    found = []
+    for words in ([], other):
+        assert main([*base, *words]) == 0
+        found.append(sorted((home / "runs").iterdir())[-1])
+    return found[0], found[1]
 
 
 def moved(run: ComparedRun, b_from_a: Similarity, order: np.ndarray) -> ComparedRun:
@@ -153,19 +149,18 @@ def test_the_command_prints_a_table_and_writes_both_files(
     assert "Robust function" in printed
     assert "AIC" in printed
     found = json.loads((tmp_path / "c" / "comparison.json").read_text("utf-8"))
-    assert {d["parameter"] for d in found["recipe"]} == {"free_k2", "robust"}
+    assert {d["parameter"] for d in found["recipe"]} == {"parameters", "robust"}
     assert {"numbers", "cameras", "photos", "points", "check", "frame"} <= set(found)
     page = (tmp_path / "c" / "comparison.html").read_text("utf-8")
-    assert "Free radial distortion 2" in page
+    assert "Single parameters" in page
 
 
-def test_a_project_and_a_stored_result_can_be_compared(
-    folders: tuple[Path, Path], small_project: Project
-) -> None:
-    newest = load_compared_run(small_project.folder)
+def test_a_project_and_a_stored_result_can_be_compared(folders: tuple[Path, Path]) -> None:
+    home = folders[0].parents[1]
+    newest = load_compared_run(home)
     again = load_compared_run(folders[1])
-    key = json.loads((folders[1] / "report.json").read_text("utf-8"))["results"]["georeference"]
-    stored = load_compared_run(small_project.folder / "results" / "georeference" / key)
+    key = json.loads((folders[1] / "report.json").read_text("utf-8"))["results"][LAST_STEP]
+    stored = load_compared_run(home / "results" / LAST_STEP / key)
     assert newest.label == again.label
     assert stored.recipe is None
     assert np.array_equal(stored.adjustment.block.points, newest.adjustment.block.points)
