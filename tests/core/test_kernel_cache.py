@@ -13,13 +13,24 @@ def test_the_cache_has_another_folder_when_any_kernel_changes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "cameras").mkdir()
-    (tmp_path / "cameras" / "basic.py").write_text("a = 1")
+    (tmp_path / "cameras" / "basic.py").write_text("from numba import njit\na = 1")
     (tmp_path / "sgm_kernels.py").write_text("b = 1")
     monkeypatch.setattr(kernel_cache, "__file__", str(tmp_path / "kernel_cache.py"))
     before = kernel_cache.kernel_fingerprint()
     assert kernel_cache.kernel_fingerprint() == before
-    (tmp_path / "cameras" / "basic.py").write_text("a = 2")
+    (tmp_path / "cameras" / "basic.py").write_text("from numba import njit\na = 2")
     assert kernel_cache.kernel_fingerprint() != before
+
+
+def test_a_file_without_kernels_leaves_the_cache_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "cameras").mkdir()
+    (tmp_path / "cameras" / "profile.py").write_text("a = 1")
+    monkeypatch.setattr(kernel_cache, "__file__", str(tmp_path / "kernel_cache.py"))
+    before = kernel_cache.kernel_fingerprint()
+    (tmp_path / "cameras" / "profile.py").write_text("a = 2")
+    assert kernel_cache.kernel_fingerprint() == before
 
 
 def test_every_file_with_kernels_counts() -> None:

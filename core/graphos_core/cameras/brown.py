@@ -39,13 +39,13 @@ MODEL = CameraModel(
             _RADIAL[3],
             default="fixed",
             prior_sigma=0.01,
-            reason="k1 to k3 describe nearly every lens; k4 is correlated with them by more than 95 %.",
+            reason="k1 to k3 describe nearly every lens; k4 is strongly correlated with them.",
         ),
         *DECENTRING,
         *AFFINITY,
     ),
     direction="ideal → measured",
-    source="Brown 1971, Close-range camera calibration, equations 4 and 9, applied to the ideal position in units of "
+    source="Brown 1971, Close-range camera calibration, radial and decentring terms, applied to the ideal position in units of "
     "f; affinity and shear of the sensor act on the distorted position",
     formula=r"x = x_0 + f\,(1 + b_1)\,u' + f\,b_2\,v',\quad y = y_0 + f\,v',\quad "
     r"u' = u\,(1 + k_1 r^2 + \dots + k_4 r^8) + p_1 (r^2 + 2u^2) + 2 p_2 u v,\quad "

@@ -33,7 +33,7 @@ MODEL = CameraModel(
     label="Brown, corrections of the measured position",
     parameters=(*INTERIOR, *radial_parameters(0.1, 0.05, 0.01), *DECENTRING, *AFFINITY),
     direction="measured → ideal",
-    source="Brown 1971, Close-range camera calibration, equations 4 and 9; the pixel scaled by 1 + b1 in x before the "
+    source="Brown 1971, Close-range camera calibration; the pixel scaled by 1 + b1 in x before the "
     "corrections and sheared by b2 after them: Börlin, Murtiyoso and Grussenmeyer 2019, Flexible photogrammetric "
     "computations using modular bundle adjustment, model 3 (there y points up: the signs of P2 and of the skew change)",
     formula=r"\frac{X}{Z} = s + s\,(k_1 r^2 + k_2 r^4 + k_3 r^6) + p_1 (r^2 + 2 s^2) + 2 p_2 s t + b_2 \frac{Y}{Z},\quad "

@@ -64,7 +64,7 @@ MODEL = CameraModel(
         *AFFINITY,
     ),
     direction="ideal → measured",
-    source="Fraser 1997, Digital camera self-calibration, ISPRS Journal 52, equations 4 to 8, applied to the ideal "
+    source="Fraser 1997, Digital camera self-calibration, ISPRS Journal 52, the ten-parameter model, applied to the ideal "
     "position in units of f",
     formula=r"x = x_0 + f\,[u + \bar u\,(k_1 r^2 + k_2 r^4 + k_3 r^6) + p_1 (r^2 + 2 \bar u^2) + 2 p_2 \bar u \bar v "
     r"+ b_1 u + b_2 v],\quad \bar u = u - \frac{x_1}{f},\quad \bar v = v - \frac{y_1}{f},\quad "

@@ -103,7 +103,8 @@ def balanced_profile(
 
     A ray has r + Δr = r (1 + a) + (Δr − a r) with a = Δr(r0)/r0, so with the balanced principal distance
     f' = f (1 + a) the distortion that is left is Δr' = Δr − r Δr(r0)/r0. For Brown's polynomial that is
-    k1 r (r² − r0²)/f² + … (Wester-Ebbinghaus 1981; Luhmann et al. 2020, section 3.3.3). The sum of both, and
+    k1 r (r² − r0²)/f² + … (Wester-Ebbinghaus 1981; Luhmann et al. 2020, Close-Range Photogrammetry and 3D
+    Imaging, chapter 3). The sum of both, and
     with it every position, is the same.
 
     Parameters

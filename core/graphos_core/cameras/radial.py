@@ -28,7 +28,7 @@ MODEL = CameraModel(
                 k,
                 default="fixed",
                 prior_sigma=5.0 * k.usual,
-                reason="Neighbouring coefficients are correlated by more than 95 %; free it for strong wide-angle "
+                reason="Neighbouring coefficients are strongly correlated; free it for strong wide-angle "
                 "lenses whose residuals still show rings.",
             )
             for k in _RADIAL[3:]

@@ -20,7 +20,9 @@ DECENTRING = (
     Parameter("p2", "p_2", "Decentring distortion 2", "", "decentring", 5e-4, reason=WEAK),
 )
 
-SQUARE = "Pixels of a digital sensor are square to about 1e-5; free it for scanned film or resampled photos."
+SQUARE = (
+    "Pixels of a digital sensor are square and at right angles; free it for scanned film or resampled photos."
+)
 
 AFFINITY = (
     Parameter("b1", "b_1", "Affinity", "", "affinity", 1e-3, "fixed", 1e-4, SQUARE),

@@ -160,6 +160,17 @@ def test_every_term_that_is_not_free_says_why():
         assert model.dependences or len(model.parameters) == 3
 
 
+def test_formulas_and_symbols_can_be_drawn():
+    from matplotlib.mathtext import MathTextParser
+
+    parser = MathTextParser("path")
+    for model in camera_models().values():
+        assert model.direction.startswith("measured → ideal" if model.backward else "ideal → measured")
+        assert model.source and model.label
+        for text in (model.formula, *(p.symbol for p in model.parameters)):
+            assert parser.parse(f"${text}$").width > 0
+
+
 def test_an_unknown_model_is_refused_with_the_known_ones():
     with pytest.raises(UserError, match="pinhole"):
         camera_model("pinhol")
