@@ -72,6 +72,11 @@ def build_parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     run.add_argument("--focal-px", type=float, help="principal distance in px")
     run.add_argument("--principal-point", type=_pair, metavar="X,Y", help="principal point in px")
+    run.add_argument(
+        "--orientation",
+        type=Path,
+        help="orientation to start from: a project, or a file or folder of another program",
+    )
     run.add_argument("--lens", choices=LENSES, help="kind of lens (default perspective)")
     run.add_argument(
         "--calibration",

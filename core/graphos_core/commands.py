@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from graphos_core import registry
+from graphos_core.data import Block
 from graphos_core.errors import UserError
 from graphos_core.outputs import check_writable, write_outputs
 from graphos_core.params import unknown_name
@@ -36,10 +37,44 @@ def run(options: argparse.Namespace) -> int:
     recipe = _recipe(options)
     progress = console(options, recipe.seed)
     project = make_project(options, recipe.seed, progress)
+    if options.orientation is not None:
+        project = project.with_orientation(
+            given_orientation(options.orientation, progress), str(options.orientation)
+        )
     pipeline = Pipeline(project, recipe)
     folder = run_pipeline(pipeline, cast(Stage, options.until), progress)
     print_summary(build_report(pipeline), folder)
     return 0
+
+
+def given_orientation(path: Path, progress: Run) -> Block:
+    """Read an orientation to start from: of a project's last run, or a file or folder of another program.
+
+    Raises
+    ------
+    UserError
+        When it cannot be read, or the project has no oriented block.
+    """
+    from graphos_core.exchange.orientation_formats import (
+        OrientationOptions,
+        guess_orientation_format,
+        orientation_format,
+    )
+
+    if (path / FILE).is_file() or path.name == FILE:
+        project = Project.open(path, run=progress)
+        found = Pipeline(project, _recipe_of(project.folder)).latest("adjustment")
+        if found is None:
+            raise UserError(
+                Text("The project {path} has no oriented block.", path=path),
+                todo="Run its adjustment first, or choose another orientation.",
+            )
+        block: Block = found.adjustment.block
+        return block
+    read = orientation_format(guess_orientation_format(path)).read(path, OrientationOptions())
+    for remark in read.remarks:
+        progress.warn(remark)
+    return read.block
 
 
 def run_pipeline(pipeline: Pipeline, until: Stage, progress: Run) -> Path:
@@ -78,6 +113,8 @@ def _recipe(options: argparse.Namespace) -> Recipe:
         recipe = recipe.set(
             f"adjustment.incremental.self_calibration={str(options.calibration != 'fixed').lower()}"
         )
+    if getattr(options, "orientation", None) is not None:
+        recipe = recipe.set("adjustment.orientation=given")
     for assignment in options.assignments:
         recipe = recipe.set(assignment)
     return recipe

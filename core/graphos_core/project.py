@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from graphos_core import __version__
 from graphos_core.cameras.lens import with_lens
-from graphos_core.data import Control, ControlObservations, Known, KnownDistance, PhotoSet
+from graphos_core.data import Block, Control, ControlObservations, Known, KnownDistance, PhotoSet
 from graphos_core.errors import UserError
 from graphos_core.project_file import (
     FILE,
@@ -27,6 +30,9 @@ from graphos_core.project_file import (
 from graphos_core.run import Run
 from graphos_core.store import Store, cannot_write, content_key
 from graphos_core.text import Text
+
+GIVEN = "given"
+"""Folder of the store with given orientations."""
 
 
 class PhotosMoved(UserError):
@@ -205,6 +211,32 @@ class Project:
         project.save()
         return project
 
+    def with_orientation(self, block: Block, about: str) -> Project:
+        """Return the project with a given orientation to start from, kept in its store and saved.
+
+        Parameters
+        ----------
+        block : Block
+            Of an earlier run, or read by `graphos_core.exchange.orientation_formats`.
+        about : str
+            Where it comes from, in words.
+        """
+        key = orientation_key(block)
+        if not self.store.has(GIVEN, key):
+            self.store.save(
+                GIVEN, key, replace(block, others=()), {"what": "given orientation", "from": about}
+            )
+        project = Project(self.folder, replace(self.settings, orientation=key), self.photo_set, self.store)
+        project.save()
+        return project
+
+    def given_orientation(self) -> Block | None:
+        """Return the given orientation, if any."""
+        if not self.settings.orientation:
+            return None
+        block: Block = self.store.load(GIVEN, self.settings.orientation)
+        return block
+
     def control(self) -> tuple[Control | None, ControlObservations | None]:
         """Read the control points and their image measurements; None where there are none."""
         if not self.settings.control:
@@ -244,6 +276,15 @@ class Project:
                 [c.model, c.width, c.height, [float(v) for v in c.values]] for c in self.photo_set.cameras
             ],
         }
+
+
+def orientation_key(block: Block) -> str:
+    """Return the key of a given orientation: what a start from it depends on."""
+    digest = hashlib.sha256()
+    for array in (block.oriented, block.rotations, block.centres, block.camera_of_photo):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    cameras = [[c.model, c.width, c.height, [float(v) for v in c.values]] for c in block.cameras]
+    return content_key({"poses": digest.hexdigest(), "names": list(block.names), "cameras": cameras})
 
 
 def _calibration_of(folder: Path, settings: Settings) -> Path | None:

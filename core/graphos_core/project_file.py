@@ -53,6 +53,8 @@ class Settings:
         Reference cloud or mesh for quality control, relative to the project folder, or empty.
     calibration : str
         Calibration file inside the project folder, or empty.
+    orientation : str
+        Key of the given orientation kept in the project's store, or empty.
     """
 
     name: str
@@ -67,6 +69,7 @@ class Settings:
     distance: tuple[str, str, float] | None = None
     reference: str = ""
     calibration: str = ""
+    orientation: str = ""
 
 
 def relative_path(path: Path, start: Path) -> str:
@@ -166,6 +169,7 @@ def write_settings(folder: Path, settings: Settings) -> None:
         "distance": list(s.distance) if s.distance else "",
         "reference": s.reference,
         "calibration": s.calibration,
+        "orientation": s.orientation,
     }
     document["known"] = {k: v for k, v in known.items() if v}
     write_text(folder / FILE, tomli_w.dumps(document))
@@ -199,6 +203,7 @@ def read_settings(folder: Path) -> Settings:
             distance=None if not distance else (str(distance[0]), str(distance[1]), float(distance[2])),
             reference=str(known.get("reference", "")),
             calibration=str(known.get("calibration", "")),
+            orientation=str(known.get("orientation", "")),
         )
         if "\0" in found.photos + found.control + found.reference + found.calibration:
             raise ValueError("a path has a character that no path can have")

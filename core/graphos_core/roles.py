@@ -115,7 +115,10 @@ class TrackBuilder(Protocol):
 
 
 class Orientation(Protocol):
-    """Photos, tracks and verified pairs to an oriented block (not yet finally adjusted)."""
+    """Photos, tracks and verified pairs to an oriented block (not yet finally adjusted).
+
+    An algorithm that has the keyword ``given: Block | None`` is also handed the orientation kept with the project.
+    """
 
     def __call__(
         self, photos: PhotoSet, tracks: Tracks, pairs: Sequence[PairMatches], params: Any, *, run: Run

@@ -6,6 +6,7 @@ A stage (a room) has one to three steps, so changing a parameter repeats only wh
 from __future__ import annotations
 
 import hashlib
+import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
@@ -22,7 +23,7 @@ from graphos_core.number_format import format_value
 from graphos_core.preprocessing.chain import apply_filters
 from graphos_core.preprocessing.grey import eight_bit
 from graphos_core.project_file import KNOWN, inside
-from graphos_core.registry import Stage
+from graphos_core.registry import Algorithm, Stage
 from graphos_core.run import Run, each
 from graphos_core.store import cannot_write
 from graphos_core.text import Text
@@ -137,8 +138,18 @@ def _cameras(pipeline: Pipeline) -> Any:
 def _orientation(pipeline: Pipeline, folder: Path, run: Run) -> Block:
     algorithm, params = pipeline.recipe.algorithm("adjustment", "orientation")
     matched = pipeline.value("matches")
-    block: Block = algorithm.function(pipeline.photos, matched.tracks, matched.pairs, params, run=run)
+    more = {"given": pipeline.project.given_orientation()} if _takes_given(algorithm) else {}
+    block: Block = algorithm.function(pipeline.photos, matched.tracks, matched.pairs, params, run=run, **more)
     return block
+
+
+def _takes_given(algorithm: Algorithm) -> bool:
+    return "given" in inspect.signature(algorithm.function).parameters
+
+
+def _given(pipeline: Pipeline) -> Any:
+    algorithm, _ = pipeline.recipe.algorithm("adjustment", "orientation")
+    return pipeline.project.settings.orientation if _takes_given(algorithm) else None
 
 
 def _georeference(pipeline: Pipeline, folder: Path, run: Run) -> Any:
@@ -251,7 +262,7 @@ STEPS: dict[str, Step] = {
         Step("matches", "features", "keypoints", ("matcher", "verification", "tracks"), _matches, _features_line,
              _cameras),
         Step("orientation", "adjustment", "matches", ("orientation",), _orientation,
-             lambda v: Text("{n} of {total} photos oriented", n=int(v.oriented.sum()), total=len(v.names))),
+             lambda v: Text("{n} of {total} photos oriented", n=int(v.oriented.sum()), total=len(v.names)), _given),
         Step("georeference", "adjustment", "orientation", ("georeferencing",), _georeference,
              lambda v: Text("placed by {method}", method=v.georeference.method), _known),
         Step("adjustment", "adjustment", "georeference", ("bundle",), _adjustment, _adjustment_line),

@@ -75,6 +75,18 @@ class Growth:
         )
         self._adjust()
 
+    def take_over(self) -> None:
+        """Go on from photos that are placed and points that are intersected already."""
+        self.run.say(
+            Text(
+                "{count} photos with a given orientation: {points} points.",
+                count=self.count,
+                points=int(self.block.known.sum()),
+            )
+        )
+        self.block.reject()
+        self._adjust()
+
     def grow(self) -> None:
         """Add photos until none can be added."""
         while True:

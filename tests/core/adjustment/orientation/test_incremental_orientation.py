@@ -12,7 +12,7 @@ import pytest
 from graphos_core.adjustment.bundle.adjust import adjust_block
 from graphos_core.adjustment.orientation.incremental import IncrementalParams, orient_incrementally
 from graphos_core.adjustment.orientation.next_photo import inertia
-from graphos_core.data import Array, Block, Camera, Exif, PairMatches, Photo, PhotoSet, Tracks
+from graphos_core.data import Array, Block, Camera, PairMatches, PhotoSet, Tracks
 from graphos_core.errors import ParamError, Stopped, UserError
 from graphos_core.geometry.rotation import angle_between
 from graphos_core.geometry.similarity import Similarity, estimate_similarity
@@ -27,6 +27,7 @@ from graphos_core.simulation.templates import (
     TripleParams,
     place,
 )
+from graphos_core.simulation.tie_points import simulated_tie_points as case
 from graphos_core.store import Store
 
 CAMERA = Camera(model="basic", width=1600, height=1200, values=np.array([1500.0, 799.5, 599.5, -0.06, 0.02]))
@@ -48,36 +49,6 @@ class Heard(Run):
     def show(self, key: str, value: Any) -> None:
         if key == "block":
             self.blocks.append(value)
-
-
-def case(model: TheoreticalModel, camera: Camera = CAMERA, fewest: int = 15) -> Case:
-    """Photos, tracks and verified pairs as the features room would give them."""
-    names, count = model.stations.names, len(model.points)
-    photos = PhotoSet(
-        photos=tuple(
-            Photo(name=f"{name}.jpg", path="", width=1600, height=1200, bits=8, channels=3, camera=0,
-                  digest=name, exif=Exif())
-            for name in names
-        ),
-        cameras=(camera,),
-    )  # fmt: skip
-    tracks = Tracks(
-        photo=model.obs_photo, feature=np.zeros(len(model.obs_photo), np.int32), track=model.obs_point,
-        xy=model.obs_xy, colour=np.zeros((count, 3), np.uint8), count=count,
-    )  # fmt: skip
-    seen = np.zeros((len(names), count), dtype=bool)
-    seen[model.obs_photo, model.obs_point] = True
-    pairs = []
-    for a in range(len(names)):
-        for b in range(a + 1, len(names)):
-            common = int((seen[a] & seen[b]).sum())
-            good = common >= fewest
-            pairs.append(
-                PairMatches(a=a, b=b, matches=np.zeros((common if good else 0, 2), np.int32), candidates=common,
-                            kind="essential" if good else "none", matrix=np.zeros((3, 3)),
-                            reason="" if good else "too few")
-            )  # fmt: skip
-    return photos, tracks, pairs
 
 
 def exact_model(name: str) -> TheoreticalModel:
