@@ -3,7 +3,7 @@
 The camera frame is x right, y down, z forward; pixels have the centre of the top-left pixel at (0, 0).
 """
 
-from graphos_core.cameras.chain import as_measured, pre_corrected
+from graphos_core.cameras.chain import after_correction, as_measured, pre_corrected
 from graphos_core.cameras.conversion import Conversion, as_model, convert
 from graphos_core.cameras.model import (
     CameraModel,
@@ -16,6 +16,6 @@ from graphos_core.cameras.model import (
 )
 
 __all__ = [
-    "CameraModel", "Conversion", "Parameter", "as_measured", "as_model", "camera_model", "camera_models", "convert",
+    "CameraModel", "Conversion", "Parameter", "after_correction", "as_measured", "as_model", "camera_model", "camera_models", "convert",
     "derivatives", "pixel_from_ray", "pre_corrected", "ray_from_pixel",
 ]  # fmt: skip

@@ -15,6 +15,8 @@ import numpy as np
 from graphos_core.cameras.model import camera_model, last_pixel_from_ray, last_ray_from_pixel
 from graphos_core.data.cameras import Camera
 from graphos_core.data.record import Array
+from graphos_core.errors import UserError
+from graphos_core.text import Text
 
 
 def without_distortion(camera: Camera) -> Camera:
@@ -24,6 +26,38 @@ def without_distortion(camera: Camera) -> Camera:
         for parameter, value in zip(camera_model(camera.model).parameters, camera.values, strict=True)
     ]
     return replace(camera, values=np.array(values), sigmas=None, before=())
+
+
+def after_correction(camera: Camera, name: str) -> Camera:
+    """Return a camera whose last model describes what `camera`, held fixed as a pre-correction, leaves.
+
+    Parameters
+    ----------
+    camera : Camera
+        A known calibration; its own chain comes first.
+    name : str
+        The last model; it starts with the interior of `camera` and no distortion.
+
+    Raises
+    ------
+    UserError
+        When the two models belong to different projections, so that one cannot follow the other.
+    """
+    first, last = camera_model(camera.model), camera_model(name)
+    if first.projection != last.projection:
+        raise UserError(
+            Text("{last} cannot follow a correction by {first}.", last=last.label, first=first.label),
+            "The correction leaves a picture of its own projection, which the other model does not have.",
+            "Choose a model of the same projection.",
+        )
+    values = [
+        0.5 * max(camera.width, camera.height) if p.default == "constant" else 0.0 for p in last.parameters
+    ]
+    values[:3] = camera.values[:3]
+    return replace(
+        camera, model=name, values=np.array(values), sigmas=None,
+        before=(*camera.before, replace(camera, before=(), sigmas=None)),
+    )  # fmt: skip
 
 
 def pre_corrected(camera: Camera, pixels: Array) -> Array:

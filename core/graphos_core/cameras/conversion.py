@@ -129,18 +129,19 @@ def convert(camera: Camera, name: str, *, free: Sequence[str] | None = None) -> 
 
 
 def as_model(camera: Camera, name: str) -> Camera:
-    """Return the camera in the model `name`, as it is where it has that model already.
+    """Return the camera with its own model changed to `name`, for a start; `Camera.before` stays as it is.
 
     Raises
     ------
     UserError
         As `convert`.
     """
-    if camera.model == name and not camera.before:
+    if camera.model == name:
         return camera
-    if camera.width <= 0 and not _lost(camera, camera_model(name)) and not camera.before:
-        return _carried(camera, camera_model(name))
-    return convert(camera, name).camera
+    own = replace(camera, before=())
+    if camera.width <= 0 and not _lost(own, camera_model(name)):
+        return replace(_carried(own, camera_model(name)), before=camera.before)
+    return replace(convert(own, name).camera, before=camera.before)
 
 
 def _carried(camera: Camera, target: CameraModel) -> Camera:

@@ -3,10 +3,19 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
-from graphos_core.cameras import as_measured, pixel_from_ray, pre_corrected, ray_from_pixel
+from graphos_core.cameras import (
+    after_correction,
+    as_measured,
+    as_model,
+    pixel_from_ray,
+    pre_corrected,
+    ray_from_pixel,
+)
 from graphos_core.cameras.conversion import format_grid
 from graphos_core.data import Camera
+from graphos_core.errors import UserError
 from graphos_core.store import Store
 
 
@@ -64,3 +73,22 @@ def test_a_camera_stored_before_there_were_chains_is_read(tmp_path):
     file.write_text(text.replace(', "before": {"tuple": []}', ""), "utf-8")
     (read,) = Store(tmp_path).load("adjustment", "k")
     assert read.before == ()
+
+
+def test_a_known_calibration_becomes_the_correction_before_another_model():
+    chain = after_correction(LENS, "complete")
+    assert [c.model for c in chain.before] == ["radial"] and chain.model == "complete"
+    pixels = format_grid(chain)
+    assert np.allclose(ray_from_pixel(chain, pixels), ray_from_pixel(LENS, pixels), rtol=0, atol=1e-12)
+    again = after_correction(chain, "polynomial3")
+    assert [c.model for c in again.before] == ["radial", "complete"]
+    assert np.allclose(ray_from_pixel(again, pixels), ray_from_pixel(LENS, pixels), rtol=0, atol=1e-11)
+    with pytest.raises(UserError, match="projection"):
+        after_correction(LENS, "fisheye_equisolid")
+
+
+def test_changing_the_own_model_keeps_the_chain():
+    changed = as_model(CHAIN, "complete")
+    assert changed.before == CHAIN.before
+    pixels = format_grid(CHAIN)
+    assert np.allclose(ray_from_pixel(changed, pixels), ray_from_pixel(CHAIN, pixels), rtol=0, atol=1e-9)
