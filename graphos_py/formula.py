@@ -5,9 +5,13 @@ from __future__ import annotations
 from functools import lru_cache
 from io import BytesIO
 
+import numpy as np
 from PySide6.QtGui import QImage
 
 from graphos_didactic.formula_outline import TYPESETTER
+
+WIDE, NARROW = 0.35, 0.04
+"""Margin with which a formula is drawn and that it keeps, inches."""
 
 
 @lru_cache(maxsize=128)
@@ -40,9 +44,20 @@ def formula_image(mathtext: str, colour: str, points: float, ratio: float = 1.0)
         lines = [f"${line}$" for line in mathtext.strip().splitlines() if line.strip()]
         figure.text(0, 0, "\n".join(lines), fontsize=points, color=colour, linespacing=1.7)
         try:
-            figure.savefig(buffer, format="png", bbox_inches="tight", pad_inches=0.04)
+            figure.savefig(buffer, format="png", bbox_inches="tight", pad_inches=WIDE)
         except ValueError:
             return QImage()
-    image = QImage.fromData(buffer.getvalue())
+    image = _trimmed(QImage.fromData(buffer.getvalue()), round((WIDE - NARROW) * 96 * ratio))
     image.setDevicePixelRatio(ratio)
     return image
+
+
+def _trimmed(image: QImage, edge: int) -> QImage:
+    """Return an image without its outer `edge` px, but with all that is drawn: tall fractions leave the text's box."""
+    drawn = image.convertToFormat(QImage.Format.Format_Alpha8)
+    flat = np.frombuffer(drawn.constBits(), dtype=np.uint8).reshape(image.height(), drawn.bytesPerLine())
+    rows = np.flatnonzero(flat[:, : image.width()].any(axis=1))
+    top, bottom = edge, image.height() - edge
+    if len(rows):
+        top, bottom = min(top, max(int(rows[0]) - 1, 0)), max(bottom, min(int(rows[-1]) + 2, image.height()))
+    return image.copy(edge, top, image.width() - 2 * edge, bottom - top)

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QSettings, QUrl
-from PySide6.QtGui import QTextDocument
+from PySide6.QtGui import QImage, QTextDocument
 from PySide6.QtWidgets import QApplication, QLabel
 from pytestqt.qtbot import QtBot
 
@@ -20,6 +20,7 @@ from graphos_didactic.lab_session import LabSession
 from graphos_didactic.labs import read_lab
 from graphos_didactic.lessons import Lesson, Trial, find_lesson, lessons
 from graphos_py.app import make_application
+from graphos_py.formula import formula_image
 from graphos_py.jobs import Jobs
 from graphos_py.main_window import MainWindow
 from graphos_py.session import Session, load_engine
@@ -357,3 +358,15 @@ def test_making_photos_can_be_stopped(
         lambda: "Stopped" in lab_page.start.said.text() and lab_page.start.start.isVisible(), timeout=10_000
     )
     assert lab_page.student is None
+
+
+def test_a_tall_fraction_is_drawn_whole() -> None:
+    tall = formula_image(r"x = \dfrac{L_1 X + L_2}{L_9 X + 1}", "#000000", 12.0)
+    alpha = tall.convertToFormat(QImage.Format.Format_Alpha8)
+    rows = np.frombuffer(alpha.constBits(), np.uint8).reshape(tall.height(), alpha.bytesPerLine())[
+        :, : tall.width()
+    ]
+    assert not rows[0].any() and not rows[-1].any()
+    assert rows[1].any() or rows[2].any()
+    line = formula_image("x", "#000000", 12.0)
+    assert tall.height() > 1.6 * line.height()
