@@ -8,7 +8,7 @@
     model = "basic"
     width = 3872
     height = 2592
-    [camera.parameters]        # principal distance and point in px, distortion in normalised units
+    [camera.values]            # principal distance and point in px, distortion in normalised units
     focal_px = 4870.3
     x0 = 1935.5
     y0 = 1295.5
@@ -17,7 +17,7 @@
     [camera.sigmas]            # optional
     focal_px = 0.4
 
-The centre of the top-left pixel is (0, 0).
+The centre of the top-left pixel is (0, 0). A single ``[camera]``, as ``graphos convert camera`` writes it, is read too.
 """
 
 from __future__ import annotations
@@ -63,10 +63,10 @@ def write_calibration(path: Path, cameras: Sequence[Camera]) -> None:
         }  # fmt: skip
         if camera.pixel_pitch_mm is not None:
             entry["pixel_pitch_mm"] = float(camera.pixel_pitch_mm)
-        entry["parameters"] = {n: float(v) for n, v in zip(model.names, camera.values, strict=True)}
+        entry["values"] = {n: float(v) for n, v in zip(model.names, camera.values, strict=True)}
         if camera.sigmas is not None:
             known = zip(model.names, camera.sigmas, strict=True)
-            entry["sigmas"] = {n: float(s) for n, s in known if math.isfinite(s)}
+            entry["sigmas"] = {n: float(s) if math.isfinite(s) else 0.0 for n, s in known}
         entries.append(entry)
     write_text(path, HEAD + tomli_w.dumps({"schema": SCHEMA, "version": __version__, "camera": entries}))
 
@@ -81,9 +81,10 @@ def read_calibration(path: Path) -> tuple[Camera, ...]:
     """
     try:
         document = tomllib.loads(path.read_text("utf-8"))
-        if document.get("schema") != SCHEMA:
+        if document.get("schema", SCHEMA) != SCHEMA:
             raise ValueError(f"it has schema {document.get('schema', 'none')}, this version reads {SCHEMA}")
         entries = document["camera"]
+        entries = [entries] if isinstance(entries, dict) else entries
         if not entries:
             raise ValueError("it has no camera")
         return tuple(_camera(entry, path) for entry in entries)
@@ -107,7 +108,7 @@ def read_calibration(path: Path) -> tuple[Camera, ...]:
 
 def _camera(entry: dict[str, Any], path: Path) -> Camera:
     model = camera_model(str(entry["model"]))
-    given, sigmas = dict(entry["parameters"]), dict(entry.get("sigmas", {}))
+    given, sigmas = dict(entry["values"]), dict(entry.get("sigmas", {}))
     for name in (*given, *sigmas):
         if name not in model.names:
             raise ValueError(

@@ -54,6 +54,7 @@ def read_camera(path: Path) -> Camera:
     """
     try:
         table = tomllib.loads(read_bytes(path).decode("utf-8-sig", errors="replace"))["camera"]
+        table = table[0] if isinstance(table, list) else table  # the first of a calibration.toml
         model = camera_model(str(table["model"]))
         width, height = int(table["width"]), int(table["height"])
         values = _by_name(path, table["values"], model.names)
