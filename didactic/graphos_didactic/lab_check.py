@@ -7,9 +7,11 @@ from dataclasses import dataclass
 
 from graphos_core.pipeline import Pipeline
 from graphos_core.registry import Stage
+from graphos_core.run import Run
 from graphos_core.simulation.truth import Truth
 from graphos_core.text import Text
-from graphos_didactic.lab_figures import FIGURES, Figure, figure_text
+from graphos_didactic.lab_calibration import CALIBRATION_FIGURES, Bench, calibration_line
+from graphos_didactic.lab_figures import FIGURES, Figure, control_roles, figure_text
 from graphos_didactic.labs import Lab, Step
 
 COARSEST = 0.05
@@ -41,12 +43,25 @@ class Outcome:
     text: str
 
 
-def figure_of(step: Step, pipeline: Pipeline, truth: Truth | None) -> Figure | None:
+def figure_of(
+    step: Step, pipeline: Pipeline | None, truth: Truth | None, bench: Bench | None = None
+) -> Figure | None:
     """Return the figure a step is about, from the student's own results; None while they are missing."""
-    return FIGURES[step.figure](pipeline, truth) if step.figure else None
+    if not step.figure:
+        return None
+    if step.figure in CALIBRATION_FIGURES:
+        return CALIBRATION_FIGURES[step.figure](bench) if bench is not None else None
+    return FIGURES[step.figure](pipeline, truth) if pipeline is not None else None
 
 
-def check(step: Step, answer: str, pipeline: Pipeline, truth: Truth | None) -> Outcome:
+def check(
+    step: Step,
+    answer: str,
+    pipeline: Pipeline | None,
+    truth: Truth | None,
+    bench: Bench | None = None,
+    run: Run | None = None,
+) -> Outcome:
     """Judge a step on the student's own results.
 
     Parameters
@@ -54,9 +69,13 @@ def check(step: Step, answer: str, pipeline: Pipeline, truth: Truth | None) -> O
     step : Step
     answer : str
         What the student typed; not used by read, do and compare.
-    pipeline : Pipeline
-        Of the student's project.
+    pipeline : Pipeline or None
+        Of the student's project; None in a lab with a test field.
     truth : Truth or None
+    bench : Bench or None
+        Where the student calibrates, in a lab with a test field.
+    run : Run, optional
+        Told the progress of a calibration.
     """
     if step.kind == "read":
         return Outcome(True, "")
@@ -68,12 +87,23 @@ def check(step: Step, answer: str, pipeline: Pipeline, truth: Truth | None) -> O
         if number is None:
             return Outcome(False, NO_NUMBER)
         return Outcome(True, "Kept; you will compare it with the result later.")
-    if step.kind == "do":
-        return _check_do(step, pipeline, truth)
-    figure = figure_of(step, pipeline, truth)
+    if step.kind == "calibrate":
+        assert bench is not None
+        report = bench.calibrate(step.photos, step.model, run or Run())
+        warnings = "".join(f"\n• {line}" for line in report["warnings"])
+        return Outcome(True, calibration_line(report, step.photos) + warnings)
+    if step.kind in ("do", "choose"):
+        assert pipeline is not None
+        return _check_do(step, pipeline, truth) if step.kind == "do" else _check_choice(step, pipeline)
+    figure = figure_of(step, pipeline, truth, bench)
     if figure is None:
         return Outcome(False, "The result is not there yet: run the step of the workflow first.")
-    return _check_measure(figure, answer) if step.kind == "measure" else _check_compare(figure)
+    if step.kind == "measure":
+        return _check_measure(figure, answer)
+    if figure.truth is None and bench is not None:
+        return Outcome(True, Text("{label}: {shown}. Nobody knows the truth of your own camera; this step is for simulated photos.",
+                                  label=figure.label, shown=figure_text(figure)))  # fmt: skip
+    return _check_compare(figure)
 
 
 def parse_number(text: str, unit: str = "") -> float | None:
@@ -119,6 +149,32 @@ def _check_do(step: Step, pipeline: Pipeline, truth: Truth | None) -> Outcome:
     )
 
 
+def _check_choice(step: Step, pipeline: Pipeline) -> Outcome:
+    found = control_roles(pipeline)
+    if found is None:
+        return Outcome(False, "The project has no control points.")
+    control, check_names, spread = found
+    shown = Text(
+        "Control: {names}. Check points: {n}. The control points span {spread:.0f} % of the extent of all",
+        names=", ".join(control) or "none", n=len(check_names), spread=100.0 * spread,
+    )  # fmt: skip
+    if len(control) < step.control:
+        return Outcome(
+            False, Text("{shown}. At least {n} control points are needed.", shown=shown, n=step.control)
+        )
+    if len(check_names) < step.check:
+        return Outcome(
+            False, Text("{shown}. At least {n} check points are needed.", shown=shown, n=step.check)
+        )
+    if step.spread_at_least is not None and spread < step.spread_at_least:
+        return Outcome(False, Text("{shown}; at least {limit:.0f} % are wanted.", shown=shown,
+                                   limit=100.0 * step.spread_at_least))  # fmt: skip
+    if step.spread_at_most is not None and spread > step.spread_at_most:
+        return Outcome(False, Text("{shown}; at most {limit:.0f} % are wanted.", shown=shown,
+                                   limit=100.0 * step.spread_at_most))  # fmt: skip
+    return Outcome(True, Text("{shown}.", shown=shown))
+
+
 def _check_measure(figure: Figure, answer: str) -> Outcome:
     number = parse_number(answer, figure.unit)
     if number is None:
@@ -149,9 +205,13 @@ def _check_compare(figure: Figure) -> Outcome:
     return Outcome(ratio <= 3.0, text)
 
 
-def answer_key(lab: Lab, pipeline: Pipeline, truth: Truth | None) -> list[tuple[str, str]]:
+def answer_key(
+    lab: Lab, pipeline: Pipeline | None, truth: Truth | None, bench: Bench | None = None
+) -> list[tuple[str, str]]:
     """Return the instructor's key: for each step with a figure its value, σ and truth, computed from the results."""
-    return [(step.title, _key_line(figure_of(step, pipeline, truth))) for step in lab.steps if step.figure]
+    return [
+        (step.title, _key_line(figure_of(step, pipeline, truth, bench))) for step in lab.steps if step.figure
+    ]
 
 
 def _key_line(figure: Figure | None) -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from graphos_core.data import Array, CheckPoints
 from graphos_core.pipeline import Pipeline
 from graphos_core.simulation.comparison import camera_centre_errors, surface_errors
 from graphos_core.simulation.truth import Truth
@@ -45,6 +46,9 @@ def figure_text(figure: Figure) -> str:
         number = f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
     return f"{number} {figure.unit}".rstrip().replace("-", "−")
 
+
+READING = 0.02
+"""How precisely, as a share, a value can be taken from numbers that are shown with two digits."""
 
 Source = Callable[[Pipeline, Truth | None], Figure | None]
 
@@ -110,6 +114,64 @@ def _check_rms(pipeline: Pipeline, truth: Truth | None) -> Figure | None:
     return Figure("check point RMS", 1000.0 * found.georeference.check_rms_m, 0.0, "mm")
 
 
+def _check_points(pipeline: Pipeline) -> CheckPoints | None:
+    found = pipeline.result("adjustment")
+    if found is None or found.adjustment.check is None or not len(found.adjustment.check.names):
+        return None
+    points: CheckPoints = found.adjustment.check
+    return points if np.isfinite(points.sigmas).all() else None
+
+
+def _check_accuracy(pipeline: Pipeline, truth: Truth | None) -> Figure | None:
+    points = _check_points(pipeline)
+    if points is None:
+        return None
+    return Figure("RMS of the check points", 1000.0 * float(np.sqrt((points.residuals**2).mean())), 0.0, "mm")
+
+
+def _check_precision(pipeline: Pipeline, truth: Truth | None) -> Figure | None:
+    points = _check_points(pipeline)
+    if points is None:
+        return None
+    variance = points.sigmas**2 + points.given_sigmas**2
+    return Figure(
+        "standard deviation of the check points", 1000.0 * float(np.sqrt(variance.mean())), 0.0, "mm"
+    )
+
+
+def _check_ratio(pipeline: Pipeline, truth: Truth | None) -> Figure | None:
+    """Accuracy over precision: 1 when the covariance is right, within the scatter of a root mean square of n values.
+
+    Check points share the errors of the control points, so n is no more than the number of control coordinates.
+    """
+    points = _check_points(pipeline)
+    roles = control_roles(pipeline) if points is not None else None
+    if points is None or roles is None:
+        return None
+    ratio = points.residuals / np.sqrt(points.sigmas**2 + points.given_sigmas**2)
+    value = float(np.sqrt((ratio**2).mean()))
+    independent = max(1, min(ratio.size, 3 * len(roles[0])))
+    return Figure("accuracy over precision", value, 1.0 / math.sqrt(2.0 * independent), "", 1.0)
+
+
+def control_roles(pipeline: Pipeline) -> tuple[list[str], list[str], float] | None:
+    """Return the names of control and of check points, and how much of the extent of all the control points span.
+
+    The share is that of the diagonals of the two boxes, 0 to 1; None where the project has no control points.
+    """
+    control, _ = pipeline.project.control()
+    if control is None:
+        return None
+    known = np.isfinite(control.xyz).all(axis=1)
+    used: Array = np.array(known if control.off is None else known & ~np.asarray(control.off), dtype=bool)
+    check: Array = np.asarray(control.check)
+    held, checked = used & ~check, used & check
+    whole = float(np.linalg.norm(np.ptp(control.xyz[known], axis=0))) if known.any() else 0.0
+    part = float(np.linalg.norm(np.ptp(control.xyz[held], axis=0))) if held.any() else 0.0
+    names = [[n for n, use in zip(control.names, which, strict=True) if use] for which in (held, checked)]
+    return names[0], names[1], part / whole if whole > 0 else 0.0
+
+
 def _centre_error(pipeline: Pipeline, truth: Truth | None) -> Figure | None:
     found = pipeline.result("adjustment")
     if found is None or truth is None:
@@ -154,6 +216,9 @@ FIGURES: dict[str, Source] = {
     "y0": _camera_parameter("principal point y", 2, "px"),
     "k1": _camera_parameter("radial distortion k1", 3, ""),
     "check_rms": _check_rms,
+    "check_accuracy": _check_accuracy,
+    "check_precision": _check_precision,
+    "check_ratio": _check_ratio,
     "centre_error": _centre_error,
     "surface_error": _surface_error,
     "surface_error_gsd": _surface_error_gsd,

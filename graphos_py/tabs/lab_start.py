@@ -22,11 +22,12 @@ from PySide6.QtWidgets import (
 from graphos_core.errors import UserError
 from graphos_core.run import Run
 from graphos_didactic.lab_session import FILE, LabSession
-from graphos_didactic.labs import Lab
+from graphos_didactic.labs import Lab, target_sheet
 from graphos_py.dialogs import documents
 from graphos_py.icons import bind_icon
 from graphos_py.jobs import Job
 from graphos_py.session import Session, load_engine
+from graphos_py.tabs.lab_target import OwnPhotos
 from graphos_py.theme import theme
 from graphos_py.translation import tr
 
@@ -64,6 +65,7 @@ class LabStart(QFrame):
         self.name = QLineEdit()
         self.name.setPlaceholderText(tr("Your name: your photos are made from it"))
         self.folder = QLineEdit()
+        self.own = OwnPhotos(target_sheet(lab.target)) if lab.target else None
         self.start = QPushButton(tr("Start"))
         self.start.setProperty("role", "primary")
         self.stop = QPushButton(tr("Stop"))
@@ -90,6 +92,8 @@ class LabStart(QFrame):
         row.addWidget(choose)
         form.addRow(tr("Folder"), row)
         column.addLayout(form)
+        if self.own is not None:
+            column.addWidget(self.own)
         buttons = QHBoxLayout()
         for widget in (self.start, self.stop, self.bar):
             buttons.addWidget(widget)
@@ -122,6 +126,7 @@ class LabStart(QFrame):
                 made = LabSession.resume(self.lab, folder)
             else:
                 made = LabSession(self.lab, " ".join(self.name.text().split()), folder)
+                made.own = self.own.own() if self.own is not None else {}
         except UserError as problem:
             self.said.setText(tr(problem.what) + " " + tr(problem.todo))
             return

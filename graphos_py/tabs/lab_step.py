@@ -26,8 +26,9 @@ from graphos_didactic.lab_session import LabSession, hand_in, key_page
 from graphos_didactic.labs import Step
 from graphos_py.icons import bind_icon
 from graphos_py.jobs import Job
-from graphos_py.session import STAGE_LABELS, Session
+from graphos_py.session import STAGE_LABELS, Session, load_engine
 from graphos_py.tabs.lab_hand_in import REPORT, write_pdf
+from graphos_py.tabs.lab_target import CalibrationResults
 from graphos_py.theme import theme
 from graphos_py.translation import tr
 from graphos_py.views.lesson_view import LessonView
@@ -37,11 +38,18 @@ KIND_TEXTS = {
     "read": "Read",
     "predict": "Predict: a guess before you know; it is never marked wrong, and it stays as you give it",
     "do": "Do",
+    "choose": "Choose control and check points",
+    "calibrate": "Calibrate",
     "measure": "Measure: a number from your own results, right within three standard deviations",
     "compare": "Compare your result with the truth",
     "explain": "Explain in words",
 }
-CHECK_TEXTS = {"read": "Read, go on", "predict": "Keep my prediction", "explain": "Keep my answer"}
+CHECK_TEXTS = {
+    "calibrate": "Calibrate",
+    "read": "Read, go on",
+    "predict": "Keep my prediction",
+    "explain": "Keep my answer",
+}
 
 
 class LabStep(QWidget):
@@ -84,6 +92,7 @@ class LabStep(QWidget):
         bind_icon(self.hint_button, "explain")
         self.open_button = QPushButton(tr("Open the project of this lab"))
         self.go_button, self.lesson_button, self.play_button = QPushButton(), QPushButton(), QPushButton()
+        self.calibrations = CalibrationResults()
         self._typed = QTimer(self, singleShot=True, interval=400)
         self._lay()
         self._connect()
@@ -110,6 +119,7 @@ class LabStep(QWidget):
         for label in (self.result, self.hint_text):
             label.setWordWrap(True)
             column.addWidget(label)
+        column.addWidget(self.calibrations)
         column.addStretch(1)
 
     def _connect(self) -> None:
@@ -145,7 +155,9 @@ class LabStep(QWidget):
             self.open_project()
 
     def project_is_open(self) -> bool:
-        """Return whether the project of this lab is the one that is open."""
+        """Return whether the project of this lab is the one that is open; a lab with a test field has none."""
+        if self.student is not None and self.student.lab.target:
+            return True
         project = self.session.project
         if project is None or self.student is None:
             return False
@@ -153,7 +165,7 @@ class LabStep(QWidget):
 
     def open_project(self) -> None:
         """Open the project of this lab."""
-        if self.student is not None and self.session.running is None:
+        if self.student is not None and self.session.running is None and not self.student.lab.target:
             self.session.open(self.student.project_folder)
 
     def show_step(self, index: int) -> None:
@@ -199,11 +211,14 @@ class LabStep(QWidget):
         index, answer = self.index, self._answer()
 
         def work(run: Run) -> tuple[int, Outcome]:
-            return index, student.answer(index, answer, pipeline)  # type: ignore[arg-type]
+            if student.lab.target:
+                load_engine()
+            return index, student.answer(index, answer, pipeline, run)
 
         self.checking = True
-        self.result.setText(tr("Checking …"))
-        self._run(work, self._checked)
+        long = self.step.kind == "calibrate"
+        self.result.setText(tr("Calibrating …") if long else tr("Checking …"))
+        self._run(work, self._checked, self._progressed if long else None)
         self._refresh()
 
     def hint(self) -> None:
@@ -217,7 +232,7 @@ class LabStep(QWidget):
     def hand_in(self) -> None:
         """Write the hand-in and open it."""
         student, pipeline = self.student, self.session.pipeline
-        if student is None or pipeline is None or not self.project_is_open():
+        if student is None or not self.project_is_open() or (pipeline is None and not student.lab.target):
             self.result.setText(tr("Open the project of this lab first."))
             return
         self.keep()
@@ -233,7 +248,7 @@ class LabStep(QWidget):
     def show_key(self) -> None:
         """Show the instructor's key of this student's own block."""
         student, pipeline = self.student, self.session.pipeline
-        if student is None or pipeline is None or not self.project_is_open():
+        if student is None or not self.project_is_open() or (pipeline is None and not student.lab.target):
             self.result.setText(tr("Open the project of this lab first."))
             return
         self.result.setText(tr("Computing the key …"))
@@ -241,11 +256,28 @@ class LabStep(QWidget):
 
     # ----------------------------------------------------------------------------------------------- events
 
-    def _run(self, work: Callable[[Run], Any], then: Callable[[Any], None]) -> None:
+    def _run(
+        self,
+        work: Callable[[Run], Any],
+        then: Callable[[Any], None],
+        progress: Callable[[float, float, str], None] | None = None,
+    ) -> None:
         job = Job(work, name="lab check", engine=False)
+        if progress is not None:
+            job.progressed.connect(progress)
         job.succeeded.connect(then)
         job.failed.connect(self._failed)
         self.session.jobs.start(job)
+
+    def _progressed(self, done: float, total: float, what: str) -> None:
+        self.result.setText(
+            tr(
+                "Calibrating: {what} {done} of {total}",
+                what=tr(what),
+                done=f"{done:.0f}",
+                total=f"{total:.0f}",
+            )
+        )
 
     @Slot(object)
     def _checked(self, judged: tuple[int, Outcome]) -> None:
@@ -358,6 +390,10 @@ class LabStep(QWidget):
         self.go_button.setVisible(step.stage is not None)
         if step.stage is not None:
             self.go_button.setText(tr("Go to {stage}", stage=tr(PLACES[step.stage])))
+        bench = student.bench()
+        self.calibrations.setVisible(bench is not None)
+        if bench is not None:
+            self.calibrations.show_bench(bench, step.photos)
         self.lesson_button.setVisible(bool(step.lesson))
         self.lesson_button.setText(tr("Read the lesson"))
         self.play_button.setVisible(bool(step.simulator))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import cv2
@@ -211,6 +211,17 @@ def _light(
     h, w = grid.camera.height, grid.camera.width
     light = fine.reshape(h, grid.side, w, grid.side).mean(axis=(1, 3))
     return np.ascontiguousarray(np.repeat(light[:, :, None], 3, axis=2))
+
+
+def varied_camera(camera: Camera, seed: int) -> Camera:
+    """Return another specimen of a camera: principal distance, point and radial distortion differ by the seed."""
+    rng = np.random.default_rng([seed, 13])
+    values = np.array(camera.values)
+    values[0] *= rng.uniform(0.95, 1.08)
+    values[1:3] += rng.uniform(-0.01, 0.01, 2) * camera.width
+    if len(values) > 3:
+        values[3] += rng.uniform(-0.04, 0.04)
+    return replace(camera, values=values)
 
 
 def exact_observations(truth: TargetPhotos, photo: int) -> Array:
