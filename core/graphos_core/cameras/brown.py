@@ -18,6 +18,7 @@ from graphos_core.cameras.sheet import (
     radial,
     radial_parameters,
 )
+from graphos_core.text import Text
 
 
 def equations(p: Any, u: Any, v: Any) -> tuple[Any, Any]:
@@ -39,7 +40,7 @@ MODEL = CameraModel(
             _RADIAL[3],
             default="fixed",
             prior_sigma=0.01,
-            reason="k1 to k3 describe nearly every lens; k4 is strongly correlated with them.",
+            reason=Text("k1 to k3 describe nearly every lens; k4 is strongly correlated with them."),
         ),
         *DECENTRING,
         *AFFINITY,

@@ -17,6 +17,7 @@ from graphos_core.cameras.sheet import (
     radial,
     radial_parameters,
 )
+from graphos_core.text import Text
 
 
 def equations(p: Any, u: Any, v: Any) -> tuple[Any, Any]:
@@ -27,7 +28,7 @@ def equations(p: Any, u: Any, v: Any) -> tuple[Any, Any]:
     return on_sensor(p, u + radial_u + decentring_u + p.b1 * u + p.b2 * v, v + radial_v + decentring_v)
 
 
-TIED = (
+TIED = Text(
     "A shift c of the distortion centre and decentring p = −k1 c / f are the same displacement as long as k1 alone "
     "is large: the centre is tied to the principal point, or carries a prior when it is freed."
 )
@@ -40,7 +41,7 @@ MODEL = CameraModel(
         Parameter(
             "x1",
             "x_1",
-            "Distortion centre x, from the principal point",
+            Text("Distortion centre x, from the principal point"),
             "px",
             "centre",
             5.0,
@@ -51,7 +52,7 @@ MODEL = CameraModel(
         Parameter(
             "y1",
             "y_1",
-            "Distortion centre y, from the principal point",
+            Text("Distortion centre y, from the principal point"),
             "px",
             "centre",
             5.0,

@@ -6,16 +6,21 @@ from typing import Any
 
 from graphos_core.cameras.model import CameraModel, Parameter
 from graphos_core.cameras.sheet import INTERIOR, on_sensor
+from graphos_core.text import Text
 
 BASE = Parameter(
-    "base_px", "b", "Base length", "px", "base", 800.0, "constant",
-    reason="The distance of the 3 × 3 points on which the terms are orthogonal; about half the format.",
+    "base_px", "b", Text("Base length"), "px", "base", 800.0, "constant",
+    reason=Text("The distance of the 3 × 3 points on which the terms are orthogonal; about half the format."),
 )  # fmt: skip
 
 LEFT_OUT = (
-    "Of the linear terms only affinity e1 and shear e2 are there: a scale is f, a turn is kappa; constants are x0, y0.",
-    "Of the six quadratic terms the two that a tilt makes (x² with xy in y, xy with y² in x) are left out: what is "
-    "left, e3 to e6, is orthogonal to them.",
+    Text(
+        "Of the linear terms only affinity e1 and shear e2 are there: a scale is f, a turn is kappa; constants are x0, y0."
+    ),
+    Text(
+        "Of the six quadratic terms the two that a tilt makes (x² with xy in y, xy with y² in x) are left out: what is "
+        "left, e3 to e6, is orthogonal to them."
+    ),
 )
 
 
@@ -40,7 +45,7 @@ def equations(p: Any, u: Any, v: Any) -> tuple[Any, Any]:
 MODEL = CameraModel(
     name="ebner",
     label="Ebner (12)",
-    parameters=(*INTERIOR, BASE, *(coefficient(f"e{i}", f"Ebner {i}") for i in range(1, 13))),
+    parameters=(*INTERIOR, BASE, *(coefficient(f"e{i}", Text("Ebner {i}", i=i)) for i in range(1, 13))),
     direction="ideal → measured",
     source="Ebner 1976, Self calibrating block adjustment, Bildmessung und Luftbildwesen 44",
     formula=r"x = x_0 + f\,u + e_1 \xi + e_2 \eta - 2 e_3 \xi_2 + e_4 \xi \eta + e_5 \eta_2 + e_7 \xi \eta_2 "
@@ -50,8 +55,10 @@ MODEL = CameraModel(
     equations=equations,
     dependences=(
         *LEFT_OUT,
-        "Made for vertical photos of flat ground, where f, x0 and y0 cannot be told from the position: hold them fixed "
-        "there.",
+        Text(
+            "Made for vertical photos of flat ground, where f, x0 and y0 cannot be told from the position: hold them fixed "
+            "there."
+        ),
     ),
 )
 

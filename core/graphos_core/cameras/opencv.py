@@ -16,6 +16,7 @@ from graphos_core.cameras.sheet import (
     on_sensor,
     radial_parameters,
 )
+from graphos_core.text import Text
 
 
 def equations(p: Any, u: Any, v: Any) -> tuple[Any, Any]:
@@ -31,8 +32,10 @@ def equations(p: Any, u: Any, v: Any) -> tuple[Any, Any]:
     )
 
 
-DENOMINATOR = "Numerator and denominator of the rational factor do nearly the same: k4 to k6 only help lenses wider than 100°."
-PRISM = (
+DENOMINATOR = Text(
+    "Numerator and denominator of the rational factor do nearly the same: k4 to k6 only help lenses wider than 100°."
+)
+PRISM = Text(
     "s1 and s3 are quadratic like a tilt of the photo together with p1, p2: a thin prism is told from them by s2, s4 "
     "alone."
 )
@@ -50,7 +53,7 @@ MODEL = CameraModel(
         replace(_P1, same_as="p2"),
         replace(_P2, same_as="p1"),
         *(
-            Parameter(f"s{i}", f"s_{i}", f"Thin prism {i}", "", "prism", 1e-4, "fixed", 1e-4, PRISM)
+            Parameter(f"s{i}", f"s_{i}", Text("Thin prism {i}", i=i), "", "prism", 1e-4, "fixed", 1e-4, PRISM)
             for i in range(1, 5)
         ),
         AFFINITY[0],
@@ -65,7 +68,7 @@ MODEL = CameraModel(
         DENOMINATOR,
         DECENTRING_AND_PRINCIPAL_POINT,
         PRISM,
-        "Affinity acts on x alone (f_x = f (1 + b1), f_y = f): the same scale in both axes is f.",
+        Text("Affinity acts on x alone (f_x = f (1 + b1), f_y = f): the same scale in both axes is f."),
     ),
 )
 

@@ -7,6 +7,7 @@ from typing import Any
 from graphos_core.cameras.ebner import BASE, LEFT_OUT, coefficient
 from graphos_core.cameras.model import CameraModel, Equations, Parameter
 from graphos_core.cameras.sheet import INTERIOR, on_sensor
+from graphos_core.text import Text
 
 DEGREES = range(3, 8)
 
@@ -18,10 +19,15 @@ def powers(degree: int) -> list[tuple[int, int]]:
 
 def parameters(degree: int) -> tuple[Parameter, ...]:
     """Return the sheet: interior, base length, six terms up to degree 2, then every term from degree 3."""
-    low = tuple(coefficient(f"e{i}", f"Linear and quadratic {i}") for i in range(1, 7))
+    low = tuple(coefficient(f"e{i}", Text("Linear and quadratic {i}", i=i)) for i in range(1, 7))
     high = tuple(
         Parameter(
-            f"{axis}{i}{j}", f"{axis}_{{{i}{j}}}", f"Term {i}, {j} in {direction}", "px", "polynomial", 0.5
+            f"{axis}{i}{j}",
+            f"{axis}_{{{i}{j}}}",
+            Text("Term {i}, {j} in {direction}", i=i, j=j, direction=direction),
+            "px",
+            "polynomial",
+            0.5,
         )
         for axis, direction in (("c", "x"), ("d", "y"))
         for i, j in powers(degree)
@@ -48,7 +54,7 @@ def equations_of(degree: int) -> Equations:
 MODELS = tuple(
     CameraModel(
         name=f"polynomial{degree}",
-        label=f"Polynomial of degree {degree}",
+        label=Text("Polynomial of degree {degree}", degree=degree),
         parameters=parameters(degree),
         direction="ideal → measured",
         source="Pierrot-Deseilligny and Clery 2011, Apero, an open source bundle adjustment software, general "

@@ -7,6 +7,7 @@ from typing import Any
 
 from graphos_core.cameras.model import CameraModel
 from graphos_core.cameras.sheet import INTERIOR, RADIAL_FIXED_AGAINST_F, on_sensor, radial, radial_parameters
+from graphos_core.text import Text
 
 
 def equations(p: Any, u: Any, v: Any) -> tuple[Any, Any]:
@@ -28,8 +29,10 @@ MODEL = CameraModel(
                 k,
                 default="fixed",
                 prior_sigma=5.0 * k.usual,
-                reason="Neighbouring coefficients are strongly correlated; free it for strong wide-angle "
-                "lenses whose residuals still show rings.",
+                reason=Text(
+                    "Neighbouring coefficients are strongly correlated; free it for strong wide-angle "
+                    "lenses whose residuals still show rings."
+                ),
             )
             for k in _RADIAL[3:]
         ),

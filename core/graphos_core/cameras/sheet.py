@@ -6,32 +6,35 @@ from dataclasses import replace
 from typing import Any
 
 from graphos_core.cameras.model import Parameter
+from graphos_core.text import Text
 
 INTERIOR = (
-    Parameter("focal_px", "f", "Principal distance", "px", "interior", 1000.0),
-    Parameter("x0", "x_0", "Principal point x", "px", "interior", 10.0),
-    Parameter("y0", "y_0", "Principal point y", "px", "interior", 10.0),
+    Parameter("focal_px", "f", Text("Principal distance"), "px", "interior", 1000.0),
+    Parameter("x0", "x_0", Text("Principal point x"), "px", "interior", 10.0),
+    Parameter("y0", "y_0", Text("Principal point y"), "px", "interior", 10.0),
 )
-
-WEAK = "Small for a well centred lens; free it when residuals show it and the photos are rolled by 90°."
 
 DECENTRING = (
-    Parameter("p1", "p_1", "Decentring distortion 1", "", "decentring", 5e-4, reason=WEAK),
-    Parameter("p2", "p_2", "Decentring distortion 2", "", "decentring", 5e-4, reason=WEAK),
+    Parameter("p1", "p_1", Text("Decentring distortion 1"), "", "decentring", 5e-4),
+    Parameter("p2", "p_2", Text("Decentring distortion 2"), "", "decentring", 5e-4),
 )
 
-SQUARE = (
+SQUARE = Text(
     "Pixels of a digital sensor are square and at right angles; free it for scanned film or resampled photos."
 )
 
 AFFINITY = (
-    Parameter("b1", "b_1", "Affinity", "", "affinity", 1e-3, "fixed", 1e-4, SQUARE),
-    Parameter("b2", "b_2", "Shear", "", "affinity", 1e-3, "fixed", 1e-4, SQUARE),
+    Parameter("b1", "b_1", Text("Affinity"), "", "affinity", 1e-3, "fixed", 1e-4, SQUARE),
+    Parameter("b2", "b_2", Text("Shear"), "", "affinity", 1e-3, "fixed", 1e-4, SQUARE),
 )
 
-RADIAL_FIXED_AGAINST_F = "The radial polynomial has no linear term: that is the principal distance f, the scale at the principal point."
-AFFINITY_FIXED_AGAINST_F_AND_ROTATION = "Affinity and shear act on x alone: the same scale in x and y is f, a turn of both axes is the rotation kappa."
-DECENTRING_AND_PRINCIPAL_POINT = (
+RADIAL_FIXED_AGAINST_F = Text(
+    "The radial polynomial has no linear term: that is the principal distance f, the scale at the principal point."
+)
+AFFINITY_FIXED_AGAINST_F_AND_ROTATION = Text(
+    "Affinity and shear act on x alone: the same scale in x and y is f, a turn of both axes is the rotation kappa."
+)
+DECENTRING_AND_PRINCIPAL_POINT = Text(
     "Decentring p1, p2 goes with the principal point x0, y0 and a tilt of the photo: without rolled and convergent "
     "photos they cannot be told apart."
 )
@@ -40,14 +43,14 @@ DECENTRING_AND_PRINCIPAL_POINT = (
 def radial_parameters(*usual: float) -> tuple[Parameter, ...]:
     """Return the sheet of k1, k2 … with their usual sizes."""
     return tuple(
-        Parameter(f"k{i}", f"k_{i}", f"Radial distortion {i}", "", "radial", size)
+        Parameter(f"k{i}", f"k_{i}", Text("Radial distortion {i}", i=i), "", "radial", size)
         for i, size in enumerate(usual, 1)
     )
 
 
-def fixed(*parameters: Parameter) -> tuple[Parameter, ...]:
-    """Return the same parameters, held fixed by default."""
-    return tuple(replace(parameter, default="fixed") for parameter in parameters)
+def fixed(reason: Text, *parameters: Parameter) -> tuple[Parameter, ...]:
+    """Return the same parameters, held fixed by default for a reason."""
+    return tuple(replace(parameter, default="fixed", reason=reason) for parameter in parameters)
 
 
 def radial(u: Any, v: Any, *k: Any) -> tuple[Any, Any]:

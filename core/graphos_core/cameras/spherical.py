@@ -6,10 +6,13 @@ from dataclasses import replace
 
 from graphos_core.cameras.model import CameraModel
 from graphos_core.cameras.sheet import INTERIOR, on_sensor
+from graphos_core.text import Text
 
-SEAM = "A full panorama has the width 2π f: f follows from the stitching and is not a property of a lens."
-TURN = "A shift of the panorama in x is a turn of the photo about its vertical axis."
-HORIZON = "Stitching puts the horizon into the middle of the picture."
+SEAM = Text(
+    "A full panorama has the width 2π f: f follows from the stitching and is not a property of a lens."
+)
+TURN = Text("A shift of the panorama in x is a turn of the photo about its vertical axis.")
+HORIZON = Text("Stitching puts the horizon into the middle of the picture.")
 
 _F, _X0, _Y0 = INTERIOR
 

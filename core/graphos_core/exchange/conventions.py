@@ -80,7 +80,7 @@ CONVENTIONS = (
         "Australis, iWitness", ("australis",), None, True, BACKWARD,
         "mm from the image centre; K mm⁻², mm⁻⁴, mm⁻⁶; P mm⁻¹",
         "corrected = measured − principal point + correction; P1 (r² + 2x²) + 2 P2 xy + B1 x + B2 y", "none in the calibration text",
-        "Fraser 1997, Digital camera self-calibration, ISPRS Journal 52, equations 4 to 8",
+        "Fraser 1997, Digital camera self-calibration, ISPRS Journal 52",
     ),
     Convention(
         "MicMac", ("micmac",), (0.0, 0.0), False, FORWARD, "px; coefficients px⁻², px⁻⁴ … about CDist",

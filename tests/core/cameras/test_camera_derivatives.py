@@ -10,6 +10,7 @@ from graphos_core.cameras.kernels import MAX_VALUES, project
 from graphos_core.cameras.projections import PROJECTIONS
 from graphos_core.data import Camera
 from graphos_core.errors import UserError
+from graphos_core.text import Text
 
 MODELS = sorted(camera_models())
 
@@ -155,9 +156,11 @@ def test_every_term_that_is_not_free_says_why():
     for model in camera_models().values():
         for parameter in model.parameters:
             assert parameter.default in ("free", "fixed", "prior", "constant")
-            assert parameter.default == "free" or parameter.reason
+            assert bool(parameter.reason) == (parameter.default != "free")
+            assert all(isinstance(text, Text) for text in (parameter.label, parameter.reason) if text)
             assert parameter.default != "prior" or parameter.prior_sigma
         assert model.dependences or len(model.parameters) == 3
+        assert all(isinstance(sentence, Text) for sentence in model.dependences)
 
 
 def test_formulas_and_symbols_can_be_drawn():

@@ -137,6 +137,26 @@ def test_the_panorama_has_its_directions_where_they_belong():
     assert np.allclose(ray_from_pixel(panorama, np.array([[799.5 - 400.0, 399.5]])), [[-1.0, 0.0, 0.0]])
 
 
+def test_colmaps_panorama_has_the_same_positions_all_round():
+    pycolmap = pytest.importorskip("pycolmap")
+    theirs = pycolmap.Camera(model="EQUIRECTANGULAR", width=1600, height=800, params=[1600.0, 800.0])
+    points = np.random.default_rng(2).normal(size=(100, 3))
+    values = np.array([800 / np.pi, 800.0, 400.0])
+    ours = Camera(model="spherical", width=1600, height=800, values=values)
+    assert np.abs(pixel_from_ray(ours, points) - theirs.img_from_cam(points)).max() < 1e-9
+
+
+def test_the_equisolid_fisheye_maps_equal_solid_angles_to_equal_areas():
+    """Rings of the sphere between 0° and 110°, each of solid angle 2π (cos θ1 − cos θ2)."""
+    lens = Camera(
+        model="fisheye_equisolid", width=1600, height=1200, values=np.array([500.0, 800.0, 600.0, *[0.0] * 8])
+    )
+    theta = np.radians(np.linspace(0.0, 110.0, 12))
+    rays = np.stack([np.sin(theta), np.zeros(12), np.cos(theta)], axis=1)
+    area = np.pi * np.diff((pixel_from_ray(lens, rays)[:, 0] - 800.0) ** 2)
+    assert np.allclose(area / (2.0 * np.pi * -np.diff(np.cos(theta))), 500.0**2, rtol=1e-10)
+
+
 def test_a_position_beyond_the_seam_of_a_panorama_is_compared_with_the_near_one():
     model = camera_model("spherical")
     values = np.array([800 / np.pi, 799.5, 399.5])
