@@ -34,7 +34,11 @@ def tables() -> dict[str, str]:
                     for k in ORIENTATION_FORMATS.values()]  # fmt: skip
     conventions = []
     for c in CONVENTIONS:
-        origin = "from the image centre" if c.first_pixel is None else f"({c.first_pixel[0]:g}, {c.first_pixel[1]:g})"
+        origin = (
+            "from the image centre"
+            if c.first_pixel is None
+            else f"({c.first_pixel[0]:g}, {c.first_pixel[1]:g})"
+        )
         if c.direction == "none":
             origin = "–"
         conventions.append(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,6 +11,9 @@ from graphos_core.data import Array, Block, Camera, OrientationTree, PhotoSet, T
 from graphos_core.errors import ItemFailure
 from graphos_core.geometry.rays import Rays, joined, rays_of
 from graphos_core.geometry.triangulation import distances_px, intersect_rays, intersection_angles
+
+SHOWN = 3
+"""Photos named in the tree as those a resection stands on."""
 
 
 @dataclass(frozen=True)
@@ -124,6 +127,12 @@ class GrowingBlock:
         seen = self.seen_by(photo)
         self.used[seen] = self.distances_px(seen) <= self.reprojection_px
         self.tree.append(how)
+
+    def explain_last(self) -> None:
+        """Say in the tree on which photos the resection of the last photo stands."""
+        how = self.tree[-1]
+        if not how.on:
+            self.tree[-1] = replace(how, on=self.neighbours(how.photo, SHOWN))
 
     def release(self, photo: int) -> None:
         """Take a photo out again, with the points that lose too many rays."""

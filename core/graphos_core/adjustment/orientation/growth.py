@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from graphos_core.adjustment.orientation.first_pair import FirstPair
@@ -19,9 +17,6 @@ ALWAYS_ADJUST = 8
 
 LOCAL = 3
 """Neighbours that move with a new photo in a local adjustment."""
-
-SHOWN = 3
-"""Photos named in the tree as those a resection stands on."""
 
 FINAL_ROUNDS = 5
 """Adjustments at the end, between which observations are rejected and points intersected anew."""
@@ -59,6 +54,11 @@ class Growth:
 
     def start(self, pair: FirstPair) -> None:
         """Place the first pair, intersect its points and adjust."""
+        self.place_pair(pair)
+        self.adjust()
+
+    def place_pair(self, pair: FirstPair) -> None:
+        """Place the first pair and intersect its points."""
         block = self.block
         block.place(pair.a, np.eye(3), np.zeros(3), Oriented(pair.a, (), Text("first photo"), 0, np.nan))
         how = Oriented(pair.b, (pair.a,), Text("relative orientation of the first pair"), pair.points, np.nan)
@@ -73,7 +73,6 @@ class Growth:
                 angle=np.degrees(pair.angle),
             )
         )
-        self._adjust()
 
     def take_over(self) -> None:
         """Go on from photos that are placed and points that are intersected already."""
@@ -85,7 +84,7 @@ class Growth:
             )
         )
         self.block.reject()
-        self._adjust()
+        self.adjust()
 
     def grow(self) -> None:
         """Add photos until none can be added."""
@@ -95,14 +94,14 @@ class Growth:
             if not self._add_one():
                 if self._adjusted_at == self.count:
                     return
-                self._adjust()  # what waits gets one more chance with better points
+                self.adjust()  # what waits gets one more chance with better points
                 self._tried.clear()
 
     def finish(self) -> None:
         """Adjust, reject and intersect anew until little changes."""
         for _ in range(FINAL_ROUNDS):
             before = self.block.used.copy()
-            self._adjust()
+            self.adjust()
             if not self._release_weak() and (before != self.block.used).sum() < 1e-3 * before.sum():
                 break
 
@@ -154,8 +153,7 @@ class Growth:
                 continue
             how = Oriented(photo, placed.on, placed.method, placed.inliers, placed.rms_px)
             block.place(photo, placed.rotation, placed.centre, how)
-            if not how.on:
-                block.tree[-1] = replace(how, on=block.neighbours(photo, SHOWN))
+            block.explain_last()
             new = block.intersect()
             self.run.say(
                 Text(
@@ -170,7 +168,7 @@ class Growth:
             )
             grown = self.count >= self._adjusted_at * (1 + self.params.adjust_growth / 100)
             if self.count <= ALWAYS_ADJUST or grown:
-                self._adjust()
+                self.adjust()
             else:
                 self._adjust_around(photo)
             return True
@@ -185,7 +183,7 @@ class Growth:
         block.adopt(adjusted_around(block.block(of=concerned), free, self.run))
         block.reject(concerned)
 
-    def _adjust(self) -> None:
+    def adjust(self) -> None:
         """Adjust the block, reject outliers, intersect what can be intersected now."""
         block = self.block
         block.adopt(adjusted(block.block(), self_calibration=self.params.self_calibration, run=self.run))
