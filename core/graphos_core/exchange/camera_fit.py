@@ -131,7 +131,8 @@ def to_foreign(camera: Camera, name: str) -> Conversion[ForeignCamera]:
     seen = directed & (target.wide | (rays[:, 2] > 0))
     start = target.start(camera.focal_px, _principal(camera), frame)
     free = np.array([p not in target.constants for p in target.parameters])
-    residual = _foreign_residual(target, frame, camera, pixels[seen], rays[seen])
+    used = seen & _every_other(len(pixels))
+    residual = _foreign_residual(target, frame, camera, pixels[used], rays[used])
     values = rounded(residual, fit(residual, start, free))
     made = ForeignCamera(name, values, frame, camera.label)
     left = _difference(target, made, camera, pixels[seen], rays[seen])
@@ -165,7 +166,7 @@ def from_foreign(source: ForeignCamera, model: str = "") -> Conversion[Camera]:
     names = [model] if model else _candidates(source)
     best: Conversion[Camera] | None = None
     for name in names:
-        found = _fit_ours(source, name, pixels[seen], rays[seen])
+        found = _fit_ours(source, name, pixels[seen], rays[seen], _every_other(len(pixels))[seen])
         if best is None or (found.without_image, found.rms_px) < (best.without_image, 0.999 * best.rms_px):
             best = found
         if best.exact:
@@ -236,7 +237,16 @@ def _difference(target: Formula, made: ForeignCamera, camera: Camera, pixels: Ar
     return pixels - pixel_from_ray(camera, target.function(made.values, made.frame, pixels))
 
 
-def _fit_ours(source: ForeignCamera, name: str, pixels: Array, rays: Array) -> Conversion[Camera]:
+def _every_other(count: int) -> Array:
+    """Return which pixels of the grid a fit uses: every other one in both directions; all are judged."""
+    i = np.arange(count)
+    chosen: Array = (i // POINTS % 2 == 0) & (i % POINTS % 2 == 0)
+    return chosen
+
+
+def _fit_ours(
+    source: ForeignCamera, name: str, pixels: Array, rays: Array, used: Array
+) -> Conversion[Camera]:
     model = camera_model(name)
     focal, principal = _focal_and_principal(pixels, rays, source.frame)
     constant = np.array([p.default == "constant" for p in model.parameters])
@@ -248,7 +258,7 @@ def _fit_ours(source: ForeignCamera, name: str, pixels: Array, rays: Array) -> C
     )  # fmt: skip
 
     def residual(values: Array) -> Array:
-        return pixel_from_ray(replace(camera, values=values), rays) - pixels
+        return pixel_from_ray(replace(camera, values=values), rays[used]) - pixels[used]
 
     camera = replace(camera, values=rounded(residual, fit(residual, start, ~constant)))
     left = pixel_from_ray(camera, rays) - pixels

@@ -43,7 +43,7 @@ def fit(residual: Callable[[Array], Array], start: Array, free: Array) -> Array:
     many = len(which) > MANY
     found = least_squares(
         of_unknowns, np.zeros(len(which)), jac="2-point" if many else "3-point",
-        ftol=1e-12, xtol=1e-15, gtol=1e-15, max_nfev=15 if many else 60,
+        ftol=1e-10, xtol=1e-15, gtol=1e-15, max_nfev=15 if many else 60,
     )  # fmt: skip
     values[which] += scale * found.x
     return values

@@ -7,10 +7,12 @@ quaternions (w, x, y, z) of ``cam_from_world``, and ``t = −R C``.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from graphos_core.cameras import camera_model
 from graphos_core.data import Array, Block
 from graphos_core.exchange.colmap_lines import parse_model
 from graphos_core.exchange.colmap_model import HALF, block_from_model, colmap_camera, distances_px
@@ -22,13 +24,18 @@ def write_colmap(block: Block, folder: Path) -> None:
     """Write the oriented photos of a block, its cameras and points, in COLMAP's text format.
 
     ``pinhole`` becomes SIMPLE_PINHOLE, ``basic`` RADIAL, others COLMAP's simplest model that expresses them, or the
-    best: see `graphos_core.exchange.colmap_model.colmap_camera`.
+    best: see `graphos_core.exchange.colmap_model.colmap_camera`. Panoramas, which COLMAP's readers rarely take, are left
+    out.
 
     Raises
     ------
     UserError
         When a file cannot be written.
     """
+    flat = np.array(
+        [camera_model(camera.model).projection != "spherical" for camera in block.cameras], dtype=bool
+    )
+    block = replace(block, oriented=block.oriented & flat[block.camera_of_photo])
     oriented = np.flatnonzero(block.oriented)
     used = sorted({int(block.camera_of_photo[photo]) for photo in oriented})
     point, photo = block.obs_point, block.obs_photo

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from graphos_core.cameras import camera_model
 from graphos_core.data import Array, Block, Camera
+from graphos_core.errors import UserError
 from graphos_core.exchange.block_parts import Parts, Read, reprojection_px
 from graphos_core.exchange.camera_fit import Conversion, to_foreign
 from graphos_core.exchange.colmap_lines import Model
 from graphos_core.exchange.formulas import ForeignCamera, Format
 from graphos_core.geometry.rotation import matrix_from_quaternion
+from graphos_core.text import Text
 
 HALF = 0.5
 """What COLMAP's pixel coordinates have more than ours."""
@@ -74,11 +77,21 @@ def colmap_camera(camera: Camera) -> tuple[str, Array, Conversion[ForeignCamera]
 
     ``pinhole`` and ``basic`` have the formulas of SIMPLE_PINHOLE and RADIAL; for others the first of `CENTRAL` or
     `FISHEYE` that expresses the camera, else the one with the smallest residual.
+
+    Raises
+    ------
+    UserError
+        For a panorama.
     """
     same = {"pinhole": "SIMPLE_PINHOLE", "basic": "RADIAL"}.get(camera.model)
     if same is not None:
         rest = [0.0] * (len(camera.values) - 3)
         return same, camera.values + np.array([0.0, HALF, HALF, *rest]), None
+    if camera_model(camera.model).projection == "spherical":
+        raise UserError(
+            Text("The camera model {model} cannot be written for COLMAP.", model=camera.model),
+            "Its panoramas are read by few versions of COLMAP.", "Cut perspective photos from the panorama.",
+        )  # fmt: skip
     best: Conversion[ForeignCamera] | None = None
     for name in FISHEYE if camera.model.startswith("fisheye") else CENTRAL:
         found = to_foreign(camera, f"colmap {name}")

@@ -116,7 +116,7 @@ def _polynomial(degree: int) -> Callable[[Array, Format, Array], Array]:
 def _polynomial_start(degree: int) -> Callable[[float, Array, Format], Array]:
     def start(focal: float, principal: Array, frame: Format) -> Array:
         scale = float(np.hypot(frame.width, frame.height)) / 2.0
-        return np.array([focal, *principal, scale, *frame.centre, *[0.0] * polynomial_terms(degree)])
+        return np.array([focal, *principal, scale, *principal, *[0.0] * polynomial_terms(degree)])
 
     return start
 

@@ -17,7 +17,8 @@ from graphos_core.exchange.text_files import finite, not_such, parse_xml, xml_nu
 from graphos_core.text import Text
 
 WHAT = "a calibration of MicMac"
-CENTRAL = ("ModNoDist", "ModRad", "ModPhgrStd", "eModelePolyDeg3", "eModelePolyDeg5", "eModelePolyDeg7")
+CENTRAL = ("ModNoDist", "ModRad", "ModPhgrStd")
+POLYNOMIAL = (*CENTRAL, *(f"eModelePolyDeg{degree}" for degree in range(3, 8)))
 FISHEYE = ("eModele_FishEye_10_5_5", "eModele_EquiSolid_FishEye_10_5_5")
 """Distortion models in the order in which they are tried."""
 
@@ -130,7 +131,8 @@ def micmac_camera(camera: Camera) -> Conversion[ForeignCamera]:
             "A panorama cannot be written for MicMac.", "It has no such camera.", "Choose another format."
         )
     best: Conversion[ForeignCamera] | None = None
-    for name in FISHEYE if model.wide else CENTRAL:
+    central = POLYNOMIAL if model.name.startswith(("polynomial", "ebner")) else CENTRAL
+    for name in FISHEYE if model.wide else central:
         found = to_foreign(camera, f"micmac {name}")
         if best is None or (found.without_image, found.rms_px) < (best.without_image, best.rms_px):
             best = found

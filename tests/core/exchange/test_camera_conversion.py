@@ -50,6 +50,7 @@ CAMERAS = {
     "backward": camera("brown_backward", 1100.0, 607.0, 444.0, *K, *P, 0.0, 0.0),
     "backward affine": camera("brown_backward", 1100.0, 607.0, 444.0, *K, *P, 1e-3, 0.0),
     "opencv": camera("opencv", 1100.0, 607.0, 444.0, *K, 0.01, 0.005, 0.001, *P, 1e-4, 2e-5, -1e-4, 1e-5, 1e-3),
+    "polynomial": camera("polynomial3", 1100.0, 607.0, 444.0, 600.0, 1.0, -2.0, 0.5, 1.5, -1.0, 2.0, *np.linspace(-3, 3, 8)),
     "fish-eye": camera("fisheye_equidistant", 380.0, 607.0, 444.0, 0.02, -0.004, 5e-4, 0, 0, 0, 0, 0),
     "fish-eye equisolid": camera("fisheye_equisolid", 380.0, 607.0, 444.0, 0.02, -0.004, 5e-4, 0, *P, 0, 0),
 }  # fmt: skip
@@ -57,6 +58,7 @@ CAMERAS = {
 EXPRESSIBLE = [
     ("basic", "colmap"), ("basic", "metashape"), ("basic", "micmac"), ("basic", "opencv"), ("basic centred", "bundler"),
     ("brown", "colmap"), ("brown", "metashape"), ("brown", "micmac"), ("brown", "opencv"), ("complete", "micmac"),
+    ("polynomial", "micmac"),
     ("backward", "photomodeler"), ("backward", "australis"), ("opencv", "opencv"), ("fish-eye", "colmap"),
     ("fish-eye", "opencv"), ("fish-eye", "metashape"), ("fish-eye equisolid", "metashape"),
 ]  # fmt: skip

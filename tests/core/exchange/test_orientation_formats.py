@@ -56,6 +56,16 @@ def test_colmap_binary_is_what_pycolmap_reads_and_comes_back(tmp_path, block_of)
     assert [c.model for c in text.cameras] == [c.model for c in back.block.cameras]
 
 
+def test_panoramas_are_left_out_of_a_model_and_refused_by_the_converter(tmp_path, block_of):
+    panorama = Camera(model="spherical", width=801, height=401, values=np.array([127.0, 400.0, 200.0]))
+    block = block_of((block_of().cameras[0], panorama))
+    write_colmap(block, tmp_path)
+    assert read_colmap(tmp_path).names == ("a.jpg",)
+    for write in (write_colmap_binary, write_bundler, write_nvm, write_micmac, write_metashape):
+        with pytest.raises(UserError):
+            write(block, tmp_path / "out")
+
+
 def test_colmap_binary_written_by_pycolmap_is_read(tmp_path, block_of):
     pycolmap = pytest.importorskip("pycolmap")
     block = replace(
