@@ -119,8 +119,14 @@ class Rounds:
     # ------------------------------------------------------------------------------------------------- final
 
     def final(self) -> tuple[Adjustment, Named]:
-        """Adjust exactly, with statistics; parameters that nothing determines are frozen and it is done again."""
-        exact = replace(self._options(self.params.tolerance), statistics=True, reliability=True)
+        """Adjust exactly, with statistics; parameters that nothing determines are frozen and it is done again.
+
+        The precision of tie points, so far from the median of their residuals, is first taken from their sum of squares
+        and redundancy: points with two rays have small residuals in one direction, which the median takes for precision.
+        """
+        if self.params.tie_sigma_px is None:
+            self._weigh_by_redundancy()
+        exact = self._exact()
         result = self._adjust(exact, self.calibrated.interior, self.run)
         while (worst := self._undetermined(result)) is not None:
             self._freeze(*worst)
@@ -136,6 +142,18 @@ class Rounds:
         if self.params.tie_sigma_px is None:  # the weights come from the residuals: their test says nothing
             result = replace(result, global_test=None)
         return replace(result, block=replace(result.block, point_track=track), groups=groups), named
+
+    def _exact(self) -> Options:
+        return replace(self._options(self.params.tolerance), statistics=True, reliability=True)
+
+    def _weigh_by_redundancy(self) -> None:
+        rough = replace(self._exact(), tolerance=max(self.params.tolerance, ROUGH_TOLERANCE))
+        result = self._adjust(rough, self.calibrated.interior, self.run)
+        self.trace += result.iterations
+        self.block = self._relative(result.block)
+        ties = next((group for group in result.groups if group.kind == "tie points"), None)
+        if ties is not None and np.isfinite(ties.sigma0) and ties.sigma0 > 0:
+            self._weigh(self._tie_sigma * ties.sigma0)
 
     def _undetermined(self, result: Adjustment) -> tuple[int, str] | None:
         worst, found = UNDETERMINED_SHARE, None
