@@ -49,6 +49,16 @@ def gauge(problem: Problem, scene: Scene) -> Array:
     return found
 
 
+def defect(problem: Problem, scene: Scene) -> int:
+    """Return the datum defect d alone; quick where nothing at all holds the block."""
+    layout = problem.layout
+    if not problem.groups and not problem.fixed.any():
+        used = np.bincount(layout.photo, minlength=len(layout.pose)) > 0
+        if not (used & (layout.pose == 0)).any():
+            return MOTIONS
+    return gauge(problem, scene).shape[1]
+
+
 def _null_space(rows: Array) -> Array:
     """Return the null vectors (7 + e, d) of `rows` that move the block."""
     width = rows.shape[1]
@@ -145,7 +155,7 @@ def describe(problem: Problem, defect: int, kind: DatumKind = "inner") -> str:
 
 
 def _middle(problem: Problem, scene: Scene) -> Array:
-    used = np.unique(problem.layout.photo)
+    used = np.bincount(problem.layout.photo, minlength=len(scene.centres)) > 0
     return np.asarray(scene.centres[used].mean(axis=0))
 
 

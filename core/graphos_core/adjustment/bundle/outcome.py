@@ -52,7 +52,7 @@ def outcome(
     block, scene = problem.to_block(solution.scene), solution.scene
     sigma = np.ones(len(residuals)) if block.obs_sigma_px is None else np.asarray(block.obs_sigma_px)
     others = assembly.linearise(problem, scene)
-    defect = datum.gauge(problem, scene).shape[1] if found is None else found.defect
+    defect = datum.defect(problem, scene) if found is None else found.defect
     observations = 2 * len(residuals) + (0 if others is None else len(others.residuals))
     unknowns = problem.unknowns + 3 * problem.free_points
     redundancy = observations - unknowns + defect
@@ -87,7 +87,8 @@ def outcome(
         sigma_rotations=sigma_rotations, sigma_centres=sigma_centres, sigma_points=sigma_points,
         iterations=solution.iterations, converged=solution.converged, stop_reason=solution.reason,
         groups=_groups(problem, misfit, sigma, others, found, checked, levels), covariance=covariance,
-        reliability=checked, global_test=global_test(squares, redundancy, 0.05),
+        reliability=checked,
+        global_test=None if found is None else global_test(squares, redundancy, 0.05),
         extras=_extras(problem, scene.extra, found, sigma0), findings=() if found is None else found.findings,
     )  # fmt: skip
 

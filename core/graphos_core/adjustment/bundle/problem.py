@@ -136,13 +136,16 @@ def select(block: Block, keep: Array) -> tuple[Block, Array]:
     int64 (p,)
         Old index of each remaining point.
     """
-    if keep.all():
-        key = block.obs_point.astype(np.int64) * len(block.names) + block.obs_photo
-        if np.all(np.diff(key) > 0) and len(np.unique(block.obs_point)) == len(block.points):
-            return block, np.arange(len(block.points))
+    key = block.obs_point.astype(np.int64) * len(block.names) + block.obs_photo
+    rays = np.bincount(block.obs_point[keep], minlength=len(block.points))
+    in_order = bool((np.diff(key) > 0).all())
+    if in_order and keep.all() and (rays > 0).all():
+        return block, np.arange(len(block.points))
     index = np.flatnonzero(keep)
-    index = index[np.lexsort((block.obs_photo[index], block.obs_point[index]))]
-    points, obs_point = np.unique(block.obs_point[index], return_inverse=True)
+    if not in_order:
+        index = index[np.lexsort((block.obs_photo[index], block.obs_point[index]))]
+    points = np.flatnonzero(rays > 0)
+    obs_point = (np.cumsum(rays > 0) - 1)[block.obs_point[index]]
     return replace(
         block,
         points=block.points[points],
@@ -215,7 +218,7 @@ def make_problem(block: Block, freedom: Freedom, groups: Sequence[Group] = ()) -
 
 def _positions(block: Block, observation: Array) -> Array:
     """Return the measured positions, freed from the fixed corrections of chained camera models."""
-    xy = np.array(block.obs_xy[observation], dtype=np.float64)
+    xy = np.ascontiguousarray(block.obs_xy[observation], dtype=np.float64)
     for c, camera in enumerate(block.cameras):
         if camera.before:
             mine = np.asarray(block.camera_of_photo)[block.obs_photo[observation]] == c
