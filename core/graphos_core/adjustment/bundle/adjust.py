@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
-from graphos_core.adjustment.bundle import result_kernels
+from graphos_core.adjustment.bundle import gauss_newton, levenberg_marquardt, powell, result_kernels
 from graphos_core.adjustment.bundle.covariance import cofactors
 from graphos_core.adjustment.bundle.datum import DatumKind
 from graphos_core.adjustment.bundle.kernels import Rules
 from graphos_core.adjustment.bundle.known.group import Group
-from graphos_core.adjustment.bundle.levenberg_marquardt import Solution, minimise
+from graphos_core.adjustment.bundle.levenberg_marquardt import Solution
 from graphos_core.adjustment.bundle.outcome import outcome
 from graphos_core.adjustment.bundle.problem import Freedom, Problem, make_problem, select, usable
 from graphos_core.adjustment.bundle.reduced_system import ReducedSystem
@@ -22,7 +22,14 @@ from graphos_core.adjustment.statistics.reliability import non_centrality
 from graphos_core.data import Adjustment, Array, Block
 from graphos_core.run import Run
 
-Method = Literal["levenberg-marquardt"]
+Method = Literal["levenberg-marquardt", "gauss-newton", "powell"]
+
+METHODS: dict[str, Callable[..., Solution]] = {
+    "levenberg-marquardt": levenberg_marquardt.minimise,
+    "gauss-newton": gauss_newton.minimise,
+    "powell": powell.minimise,
+}
+"""The minimisers; all have the signature of `levenberg_marquardt.minimise` and a comparable trace."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,6 +43,8 @@ class Options:
     scale_px : float
         Length from which it takes effect: px for observations with an a priori standard deviation of 1 px, in general
         multiples of the a priori standard deviation.
+    method : {"levenberg-marquardt", "gauss-newton", "powell"}
+        How the cost is minimised.
     max_iterations : int
     tolerance : float
         Converged when the cost can fall by less than this share of itself.
@@ -54,6 +63,7 @@ class Options:
 
     robust: Robust = "none"
     scale_px: float = 1.0
+    method: Method = "levenberg-marquardt"
     max_iterations: int = 50
     tolerance: float = 1e-8
     statistics: bool = True
@@ -107,7 +117,7 @@ def adjust_block(
     rules = Rules(ROBUST[options.robust].code, float(options.scale_px), options.guard)
     system = ReducedSystem(problem, rules, run.threads)
     with system.working():
-        solution = minimise(system, options.max_iterations, options.tolerance, run=run)
+        solution = METHODS[options.method](system, options.max_iterations, options.tolerance, run=run)
     misfit = residuals_of(problem, solution, rules)
     if np.isnan(misfit[0]).any():
         problem, solution = _without_hidden(problem, freedom, solution, misfit[0])

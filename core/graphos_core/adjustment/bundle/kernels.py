@@ -21,7 +21,7 @@ from graphos_core.adjustment.bundle.robust_kernels import robust
 from graphos_core.cameras.kernels import project
 from graphos_core.data.record import Array
 
-COST, GRADIENT, VISIBLE, LOST, STEP2, SIZE2, PREDICTED = range(7)
+COST, GRADIENT, VISIBLE, LOST, STEP2, SIZE2, PREDICTED, SCALED2 = range(8)
 """Places in the totals of a chunk."""
 
 

@@ -14,7 +14,7 @@ from scipy.linalg import lapack
 from threadpoolctl import ThreadpoolController
 
 from graphos_core.adjustment.bundle import kernels, reduction_kernels, step_kernels
-from graphos_core.adjustment.bundle.kernels import Rules, Scene
+from graphos_core.adjustment.bundle.kernels import Layout, Rules, Scene
 from graphos_core.adjustment.bundle.known import assembly
 from graphos_core.adjustment.bundle.problem import Problem
 from graphos_core.data import Array
@@ -29,6 +29,7 @@ class Equations:
 
     Attributes
     ----------
+    scene : Scene
     matrix : float64 (u, u)
         Reduced matrix, upper triangle.
     gradient, reduced_gradient, diagonal : float64 (u,)
@@ -41,6 +42,7 @@ class Equations:
         Observations in front of their cameras.
     """
 
+    scene: Scene
     matrix: Array
     gradient: Array
     reduced_gradient: Array
@@ -65,6 +67,8 @@ class Moved:
         Observations that the step carried behind a camera.
     step, size : float
         Norms of the step and of the unknowns.
+    scaled : float
+        Norm of the step in the metric of the diagonal of JᵀJ: what a trust region is measured in.
     """
 
     scene: Scene
@@ -73,6 +77,7 @@ class Moved:
     lost: int
     step: float
     size: float
+    scaled: float
 
 
 class ReducedSystem:
@@ -137,7 +142,7 @@ class ReducedSystem:
             [float(np.abs(gradient).max(initial=0.0)), *(float(t[kernels.GRADIENT]) for t in totals)]
         )
         return Equations(
-            matrix, gradient, vectors[0] + vectors[1], vectors[2], cost, largest,
+            scene, matrix, gradient, vectors[0] + vectors[1], vectors[2], cost, largest,
             int(sum(t[kernels.VISIBLE] for t in totals)),
         )  # fmt: skip
 
@@ -172,18 +177,44 @@ class ReducedSystem:
         step, _ = lapack.dpotrs(factor, -equations.reduced_gradient, lower=1)
         return step if np.isfinite(step).all() else None
 
-    def move(self, scene: Scene, equations: Equations, damping: float, step: Array) -> Moved:
-        """Return the scene moved by `step`, its points by back-substitution."""
+    def move(
+        self,
+        scene: Scene,
+        equations: Equations,
+        damping: float,
+        step: Array,
+        shares: tuple[float, float] = (1.0, 0.0),
+        down: Array | None = None,
+    ) -> Moved:
+        """Return the scene moved by `step`, its points by back-substitution.
+
+        Parameters
+        ----------
+        scene, equations, damping
+            What `step` was computed from.
+        step : float64 (u,)
+            Share of the full step of the reduced unknowns.
+        shares : (float, float)
+            Of the full step and of steepest descent, for the points; `Moved.predicted` holds for (1, 0) only.
+        down : float64 (u,), optional
+            Share of steepest descent of the reduced unknowns.
+        """
         layout = self.problem.layout
         moved = Scene(*(np.empty_like(part) for part in scene))
         shift = np.zeros((len(layout.pose), 3))
-        step_kernels.move_photos(scene, layout, step, moved, shift)
-        moved.extra[:] = scene.extra + step[len(step) - len(scene.extra) :]
+        whole = step if down is None else step + down
+        step_kernels.move_photos(scene, layout, whole, moved, shift)
+        if down is not None:
+            shift = _shifts(scene, layout, step)
+        moved.extra[:] = scene.extra + whole[len(whole) - len(scene.extra) :]
+        rest = np.zeros(len(step)) if down is None else down
 
         def one(chunk: int) -> Array:
-            totals = np.zeros(7)
+            totals = np.zeros(8)
             span = self.problem.chunks[chunk]
-            step_kernels.substitute(scene, layout, self.rules, damping, span, step, shift, moved, totals)
+            step_kernels.substitute(
+                scene, layout, self.rules, damping, span, step, rest, shift, shares, moved, totals
+            )
             return totals
 
         totals = sum(self.each_chunk(one))
@@ -192,8 +223,37 @@ class ReducedSystem:
         size = float(totals[kernels.SIZE2]) + float((scene.centres**2).sum()) + float((scene.values**2).sum())
         return Moved(
             moved, cost, predicted + float(totals[kernels.PREDICTED]),
-            int(totals[kernels.LOST]), float(np.sqrt(totals[kernels.STEP2] + step @ step)), float(np.sqrt(size)),
+            int(totals[kernels.LOST]), float(np.sqrt(totals[kernels.STEP2] + whole @ whole)), float(np.sqrt(size)),
+            float(np.sqrt(totals[kernels.SCALED2] + whole @ (equations.diagonal * whole))),
         )  # fmt: skip
+
+    def steepest(self, scene: Scene, equations: Equations) -> tuple[Array, float, float]:
+        """Return the direction of steepest descent −D⁻¹ g (u,) of the reduced unknowns, gᵀD⁻¹g and |J d|² of all.
+
+        D is the diagonal of JᵀJ.
+        """
+        direction = -equations.gradient / np.where(equations.diagonal > 0, equations.diagonal, 1.0)
+
+        def one(chunk: int) -> Array:
+            totals = np.zeros(2)
+            span = self.problem.chunks[chunk]
+            step_kernels.steepest(scene, self.problem.layout, self.rules, span, direction, totals)
+            return totals
+
+        descent, curvature = sum(self.each_chunk(one))
+        others = assembly.linearise(self.problem, scene)
+        if others is not None:
+            curvature += float(((others.weighted[1] @ direction) ** 2).sum())
+        return direction, float(descent - equations.gradient @ direction), float(curvature)
+
+
+def _shifts(scene: Scene, layout: Layout, step: Array) -> Array:
+    """Return R δC (n, 3) of each photo."""
+    out = np.zeros((len(layout.pose), 3))
+    free = np.flatnonzero(layout.pose > 0)
+    moved = step[layout.photo_column[free][:, None] + np.arange(3, 6)]
+    out[free] = np.einsum("nij,nj->ni", scene.rotations[free], moved)
+    return out
 
 
 @cache

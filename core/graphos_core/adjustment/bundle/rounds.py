@@ -205,7 +205,7 @@ class Rounds:
         p = self.params
         scale = p.robust_scale_px or SCALE_SIGMAS * self._spread
         return Options(
-            robust=p.robust, scale_px=scale / self._tie_sigma, max_iterations=p.max_iterations, tolerance=tolerance,
+            robust=p.robust, method=p.method, scale_px=scale / self._tie_sigma, max_iterations=p.max_iterations, tolerance=tolerance,
             statistics=False, alpha=p.alpha, power=p.power, datum=p.datum,
         )  # fmt: skip
 

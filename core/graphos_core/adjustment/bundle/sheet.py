@@ -154,6 +154,15 @@ class BundleParams(Params):
         effect="Higher: larger minimal detectable biases.",
         learn="adjustment/minimal-detectable-bias", level="expert", group="Tests",
     )] = 0.8  # fmt: skip
+    method: Annotated[Literal["levenberg-marquardt", "gauss-newton", "powell"], About(
+        label="Method",
+        help="How the sum of squares is minimised.",
+        effect="Levenberg–Marquardt: damped steps, robust against poor starts. Gauss–Newton with step control: the fewest "
+        "iterations near the minimum. Levenberg–Marquardt–Powell: steps inside a region of trust.",
+        choices={"levenberg-marquardt": "Levenberg–Marquardt", "gauss-newton": "Gauss–Newton with step control",
+                 "powell": "Levenberg–Marquardt–Powell (dogleg)"},
+        learn="adjustment/solver", level="expert", group="Iteration",
+    )] = "levenberg-marquardt"  # fmt: skip
     max_iterations: Annotated[int, About(
         label="Largest number of iterations", low=1, high=10000, step=10,
         help="When the adjustment stops even if it has not converged.",

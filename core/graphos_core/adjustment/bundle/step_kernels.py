@@ -9,6 +9,7 @@ from graphos_core.adjustment.bundle.kernels import (
     COST,
     LOST,
     PREDICTED,
+    SCALED2,
     SIZE2,
     STEP2,
     Image,
@@ -16,8 +17,9 @@ from graphos_core.adjustment.bundle.kernels import (
     Rules,
     Scene,
     in_camera,
+    linearise,
 )
-from graphos_core.adjustment.bundle.reduction_kernels import invert
+from graphos_core.adjustment.bundle.reduction_kernels import invert, point_block
 from graphos_core.adjustment.bundle.robust_kernels import robust
 from graphos_core.cameras.kernels import project
 from graphos_core.data.record import Array
@@ -61,12 +63,13 @@ def _sum_point(
     image: Image,
     step: Array,
     shift: Array,
+    share: float,
     seen: Array,
     sums: Array,
 ) -> tuple[int, float]:
     """Sum what back-substitution needs of point i, without forming the rows of the reduced unknowns.
 
-    ``sums`` (12,) becomes the upper triangle of V, its gradient g, and g + Wᵀ step; ``shift`` (n, 3) is R δC of each
+    ``sums`` (12,) becomes the upper triangle of V, its gradient g, and share · g + Wᵀ step; ``shift`` (n, 3) is R δC of each
     photo. Returns how many observations are in front of their camera, and ½ Σ ρ.
     """
     pixel, slope, inner = image
@@ -123,7 +126,7 @@ def _sum_point(
             sums[6] += j0 * v
             sums[7] += j1 * v
             sums[8] += j2 * v
-            both = v + weight * change
+            both = share * v + weight * change
             sums[9] += j0 * both
             sums[10] += j1 * both
             sums[11] += j2 * both
@@ -133,21 +136,23 @@ def _sum_point(
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def substitute(
     scene: Scene, layout: Layout, rules: Rules, damping: float, span: tuple[int, int, int],
-    step: Array, shift: Array, moved: Scene, totals: Array,
+    step: Array, down: Array, shift: Array, shares: tuple[float, float], moved: Scene, totals: Array,
 ) -> None:  # fmt: skip
     """Move the points by back-substitution and take the cost of the moved scene.
 
     Parameters
     ----------
-    step : float64 (u,)
-        Step of the reduced unknowns.
+    step, down : float64 (u,)
+        Parts of the step of the reduced unknowns: a share of the full step, and one of steepest descent.
     shift : float64 (n, 3)
-        Step of each projection centre in the frame of its camera.
+        What `step` moves each projection centre, in the frame of its camera.
+    shares : (float, float)
+        The two shares, for the points: (1, 0) is the full step; steepest descent is −g / diagonal of V.
     moved : Scene
         Cameras and photos already moved; its points are written here.
-    totals : float64 (7,)
-        Cost after the step, lost observations, squared norms of step and size of the points, and their part of
-        the decrease predicted by the linear model.
+    totals : float64 (8,)
+        Cost after the step, lost observations, squared norms of step and size of the points, their part of the
+        decrease predicted by the linear model (of a full step), and Σ diagonal · step².
 
     Notes
     -----
@@ -159,7 +164,7 @@ def substitute(
     m = np.empty(3)
     inverse = np.empty((3, 3))
     for i in range(span[0], span[1]):
-        count, before = _sum_point(scene, layout, rules, i, image, step, shift, seen, sums)
+        count, before = _sum_point(scene, layout, rules, i, image, step, shift, shares[0], seen, sums)
         for b in range(3):
             moved.points[i, b] = scene.points[i, b]
             totals[SIZE2] += scene.points[i, b] * scene.points[i, b]
@@ -167,12 +172,18 @@ def substitute(
             m[b] = 0.0
         if layout.point_column[i] >= 0:  # its step is among the reduced unknowns
             for b in range(3):
-                m[b] = step[layout.point_column[i] + b]
+                m[b] = step[layout.point_column[i] + b] + down[layout.point_column[i] + b]
         if layout.free_point[i]:
             if count < 2 or not invert(sums, damping, inverse):
                 continue
             for b in range(3):
                 m[b] = -(inverse[b, 0] * sums[9] + inverse[b, 1] * sums[10] + inverse[b, 2] * sums[11])
+            if shares[1] != 0.0:
+                m[0] -= shares[1] * sums[6] / sums[0]
+                m[1] -= shares[1] * sums[7] / sums[3]
+                m[2] -= shares[1] * sums[8] / sums[5]
+            totals[SCALED2] += sums[0] * m[0] * m[0] + sums[3] * m[1] * m[1] + sums[5] * m[2] * m[2]
+            for b in range(3):
                 totals[STEP2] += m[b] * m[b]
                 totals[PREDICTED] -= 0.5 * sums[6 + b] * m[b]
             totals[PREDICTED] += (
@@ -190,6 +201,61 @@ def substitute(
             share *= 0.5
         totals[LOST] += lost
         totals[COST] += max(after, before) if lost > 0 else after
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def steepest(
+    scene: Scene, layout: Layout, rules: Rules, span: tuple[int, int, int], direction: Array, totals: Array
+) -> None:
+    """Sum what steepest descent needs over points ``span[0]`` to ``span[1]``.
+
+    The direction is d = −D⁻¹ g with D the diagonal of JᵀJ: ``direction`` (u,) of the reduced unknowns, the points' own
+    is computed here. ``totals`` (2,) becomes Σ g²/D of the points and |J d|² of all image observations.
+    """
+    rays = span[2]
+    image = Image(np.empty(2), np.empty((2, 3)), np.empty((2, scene.values.shape[1])))
+    rows = np.empty((rays, 2, layout.row[0]))
+    ground = np.empty((rays, 2, 3))
+    misfit = np.empty((rays, 2))
+    seen = np.empty(rays, dtype=np.bool_)
+    v = np.empty(6)
+    g = np.empty(3)
+    down = np.empty(3)
+    inverse = np.empty((3, 3))
+    for i in range(span[0], span[1]):
+        count, _ = linearise(scene, layout, rules, i, image, rows, ground, misfit, seen)
+        all_rays = layout.start[i + 1] - layout.start[i]
+        down[0] = 0.0
+        down[1] = 0.0
+        down[2] = 0.0
+        if layout.free_point[i]:
+            point_block(ground, misfit, seen, all_rays, v, g)
+            if count < 2 or not invert(v, 0.0, inverse):
+                continue
+            down[0] = -g[0] / v[0]
+            down[1] = -g[1] / v[3]
+            down[2] = -g[2] / v[5]
+            totals[0] += g[0] * g[0] / v[0] + g[1] * g[1] / v[3] + g[2] * g[2] / v[5]
+        for k in range(all_rays):
+            if not seen[k]:
+                continue
+            n = layout.photo[layout.start[i] + k]
+            c = layout.camera[n]
+            w = layout.width[n]
+            shared = layout.camera_column[c]
+            free = layout.free_count[c] if shared >= 0 else 0
+            for a in range(2):
+                along = 0.0
+                for x in range(w):
+                    along += rows[k, a, x] * direction[layout.photo_column[n] + x]
+                for x in range(free):
+                    along += rows[k, a, w + x] * direction[shared + x]
+                for b in range(3):
+                    if layout.point_column[i] >= 0:
+                        along += rows[k, a, w + free + b] * direction[layout.point_column[i] + b]
+                    else:
+                        along += ground[k, a, b] * down[b]
+                totals[1] += along * along
 
 
 @njit(cache=True, nogil=True)

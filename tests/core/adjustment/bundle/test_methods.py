@@ -1,0 +1,56 @@
+"""Rival minimisers: the same minimum, comparable traces."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from graphos_core.adjustment.bundle.adjust import Options, adjust_block
+from graphos_core.adjustment.bundle.kernels import Rules
+from graphos_core.adjustment.bundle.powell import blended, quadratic_model
+from graphos_core.adjustment.bundle.problem import Freedom, make_problem
+from graphos_core.adjustment.bundle.reduced_system import ReducedSystem
+
+FREE = Freedom(interior=(("focal_px", "x0", "y0", "k1", "k2"),))
+
+
+@pytest.mark.parametrize("method", ["gauss-newton", "powell"])
+@pytest.mark.parametrize("fixed", [False, True])
+def test_every_method_reaches_the_same_minimum(make_block, method: str, fixed: bool) -> None:
+    made = make_block(points=120)
+    freedom = FREE
+    if fixed:
+        points = np.zeros(len(made.truth.points), dtype=bool)
+        points[:6] = True
+        freedom = Freedom(interior=FREE.interior, fixed_points=points)
+    reference = adjust_block(made.start, freedom, Options(tolerance=1e-13))
+    other = adjust_block(made.start, freedom, Options(method=method, tolerance=1e-13))
+    assert reference.converged and other.converged, (reference.stop_reason, other.stop_reason)
+    assert other.iterations[-1].cost == pytest.approx(reference.iterations[-1].cost, rel=1e-8)
+    assert len(other.iterations) < 15
+    costs = [record.cost for record in other.iterations]
+    assert all(b <= a for a, b in pairwise(costs))
+    np.testing.assert_allclose(other.block.cameras[0].values, reference.block.cameras[0].values, rtol=1e-4)
+
+
+@pytest.mark.parametrize("method", ["levenberg-marquardt", "gauss-newton", "powell"])
+def test_a_far_start_is_left_downhill(make_block, method: str) -> None:
+    made = make_block(points=120, shake=0.06)
+    found = adjust_block(made.start, FREE, Options(method=method, max_iterations=100))
+    costs = [record.cost for record in found.iterations]
+    assert costs[-1] < 1e-2 * costs[0]
+    assert all(b <= a * (1 + 1e-12) for a, b in pairwise(costs))
+
+
+@pytest.mark.parametrize("shares", [(0.0, 1e-3), (1e-3, 0.0), (6e-4, 8e-4)])
+def test_the_dogleg_model_predicts_what_a_small_blend_gains(make_block, shares: tuple[float, float]) -> None:
+    problem = make_problem(make_block(points=120).start, FREE)
+    system = ReducedSystem(problem, Rules(0, 1.0, True), 1)
+    with system.working():
+        equations = system.build(problem.scene, 0.0)
+        model = quadratic_model(system, equations)
+        moved = blended(system, equations, model, shares)
+    gain = equations.cost - moved.cost
+    assert gain == pytest.approx(model.predicted(*shares), rel=5e-3)
