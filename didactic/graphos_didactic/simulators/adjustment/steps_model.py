@@ -41,9 +41,17 @@ class Recorded(ReducedSystem):
             self.tried.append(None)
         return step
 
-    def move(self, scene: Scene, equations: Equations, damping: float, step: Array) -> Moved:
+    def move(
+        self,
+        scene: Scene,
+        equations: Equations,
+        damping: float,
+        step: Array,
+        shares: tuple[float, float] = (1.0, 0.0),
+        down: Array | None = None,
+    ) -> Moved:
         """Move, and remember where to."""
-        self.tried.append(super().move(scene, equations, damping, step))
+        self.tried.append(super().move(scene, equations, damping, step, shares, down))
         return self.tried[-1]  # type: ignore[return-value]
 
 
