@@ -83,11 +83,17 @@ class Menus:
             self._add(menu, "&Save recipe as …", project.save_recipe, keys.SaveAs, "save"),
             self._add(menu, "&Write report and models …", project.export, "Ctrl+E"),
         ]
+        self._add(menu, "Con&vert cameras and orientations …", self._convert, None, "compare")
         menu.addSeparator()
         self._add(menu, "Start &page", lambda: window.show_tab("start"), "Ctrl+Home")
         quit_action = self._add(menu, "&Quit", window.close, keys.Quit)
         if not quit_action.shortcuts():
             quit_action.setShortcut(QKeySequence("Ctrl+Q"))
+
+    def _convert(self) -> None:
+        from graphos_py.convert.dialog import ConvertDialog
+
+        ConvertDialog(self.window).show()
 
     def _fill_recent(self) -> None:
         self._recent.clear()

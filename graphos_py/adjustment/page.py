@@ -32,7 +32,7 @@ class ResultPage(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.result: Any = None
-        self._stale = False
+        self._stale = True
         self.column = QVBoxLayout(self)
         self.column.setContentsMargins(0, 0, 0, 0)
         self.column.setSpacing(0)

@@ -134,6 +134,11 @@ class SpacePage(QWidget):
         self._suggest()
         self._colour()
 
+    def clear(self) -> None:
+        """Show nothing."""
+        self.result, self._cached, self._oriented = None, None, []
+        self.cloud.clear()
+
     def select_photo(self, index: int) -> None:
         """Highlight a photo of the block."""
         self.cloud.select_camera(self._oriented.index(index) if index in self._oriented else -1)

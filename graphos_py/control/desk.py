@@ -99,6 +99,10 @@ class ControlDesk(QObject):
         except GraphosError as problem:
             self.sheet, self.problem = ControlSheet(), problem
         self._original = (self.sheet, _files(project.folder))
+        if not self.sheet.crs and _names_system(project):
+            self.session.message.emit("info", Text(
+                "The control points are geographic; here they are shown in a local frame (east, north, up), and an edit "
+                "writes them so. The file as it was is kept in {folder}.", folder="earlier"))  # fmt: skip
         self.undo.clear()
         self.choose(self.point if self.sheet.index(self.point) >= 0 else "")
         self.changed.emit()
@@ -158,6 +162,15 @@ class ControlDesk(QObject):
     def _run_changed(self) -> None:
         if self.session.running is None and self.unsaved:
             self.save()
+
+
+def _names_system(project: Any) -> bool:
+    """Say whether the control file names a coordinate system in its comment."""
+    path = project.folder / project.settings.control
+    if not project.settings.control or not path.is_file():
+        return False
+    with path.open(encoding="utf-8-sig", errors="replace") as file:
+        return any(line.lstrip("# \t").casefold().startswith("crs:") for line in file if line.startswith("#"))
 
 
 def _own_distances(project: Any) -> Any:

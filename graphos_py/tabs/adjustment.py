@@ -74,6 +74,15 @@ class AdjustmentTab(StageTab):
             page.show_result(result)
         self.show_photo(self.session.photo)
 
+    def refresh(self) -> None:
+        """Bring the pages up to date; without a result they say what will be there."""
+        super().refresh()
+        if self._made and not self._stale and self.result is None and self.session.running != self.stage:
+            self.control.show_result(None)
+            self.space.clear()
+            for page in self.pages:
+                page.show_result(None)
+
     def show_partial(self, key: str, values: list[Any]) -> None:
         """Let the block grow and the cost fall while it runs."""
         if key == "block" and isinstance(values[-1], Block):

@@ -188,3 +188,28 @@ def test_the_preview_shows_how_a_file_is_understood(qtbot, tmp_path: Path) -> No
     assert dialog.crs() == "EPSG:25832" and dialog.take.isEnabled()
     dialog.epsg.setText("UTM")
     assert not dialog.take.isEnabled()
+
+
+def test_geographic_control_says_that_it_is_shown_in_a_local_frame(page: ControlPage, folder: Path) -> None:
+    heard: list[str] = []
+    page.session.message.connect(lambda kind, text: heard.append(str(text)))
+    text = "# crs: EPSG:4326\nname,x,y,z,role\nA,9.0,48.0,300,control\nB,9.001,48.0,301,check\n"
+    (folder / "control.csv").write_text(text, "utf-8")
+    page.session.project = page.session.project.with_control("control.csv")
+    page.desk.load()
+    assert any("local frame" in line for line in heard)
+    assert np.hypot(
+        *np.subtract(page.desk.sheet.points[0].xyz, page.desk.sheet.points[1].xyz)[:2]
+    ) == pytest.approx(74.6, abs=0.2)  # 0.001° of longitude at 48°
+
+
+def test_off_points_and_standard_deviations_survive_the_file(page: ControlPage, folder: Path, qtbot) -> None:
+    nan = float("nan")
+    sheet = ControlSheet(
+        (SheetPoint("A", (1.0, 2.0, nan), (0.01, 0.02, nan), "off"), SheetPoint("B", (4.0, 5.0, 6.0), role="check")),
+        {("A", "a.png"): Mark(1.0, 2.0, 0.3)}, "EPSG:25832",
+    )  # fmt: skip
+    page.desk.edit(sheet, "test")
+    page.desk.save()
+    qtbot.waitUntil(lambda: (folder / "control.csv").is_file() and not page.session.jobs.running)
+    assert ControlSheet.from_known(*read_control(folder / "control.csv")) == sheet

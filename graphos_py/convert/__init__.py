@@ -1,0 +1,1 @@
+"""The converter: cameras and orientations between this program's files and those of others."""
