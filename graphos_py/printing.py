@@ -22,6 +22,7 @@ from PySide6.QtGui import (
     QPainter,
     QPdfWriter,
     QPyTextObject,
+    QTextBlock,
     QTextBlockFormat,
     QTextCharFormat,
     QTextCursor,
@@ -147,20 +148,33 @@ def _document(page: str, size: QSizeF) -> tuple[QTextDocument, Pictures]:
         form.setProperty(WIDTH, width)
         cursor.insertText(OBJECT, form)
     document.setPageSize(size)
-    _keep_headings(document, size.height())
+    _keep_headings(document, size)
     return document, pictures
 
 
-def _keep_headings(document: QTextDocument, height: float) -> None:
-    """Begin a new page before a heading that would stand alone at the foot of one."""
+def _keep_headings(document: QTextDocument, size: QSizeF) -> None:
+    """Begin a new page before a heading whose next two paragraphs, or a picture there, would be on the next page.
+
+    After each change the whole document is laid out again: Qt's own partial layout loses paragraphs of documents with
+    pages.
+    """
+    layout = document.documentLayout()
+
+    def page(block: QTextBlock) -> int:
+        return int(layout.blockBoundingRect(block).top() // size.height())
+
     block = document.begin()
     while block.isValid():
         if block.blockFormat().headingLevel():
-            top = document.documentLayout().blockBoundingRect(block).top()
-            if top % height > LAST * height:
+            top = layout.blockBoundingRect(block).top()
+            after = block.next().next() if block.next().isValid() else block
+            apart = after.isValid() and page(after) != page(block)
+            if (apart and top % size.height() > 1.0) or top % size.height() > LAST * size.height():
                 form = QTextBlockFormat()
                 form.setPageBreakPolicy(QTextFormat.PageBreakFlag.PageBreak_AlwaysBefore)
                 QTextCursor(block).mergeBlockFormat(form)
+                #document.setPageSize(QSizeF(size.width(), 2.0 * size.height()))
+                document.setPageSize(size)
         block = block.next()
 
 
@@ -210,16 +224,21 @@ def _draw(document: QTextDocument, writer: QPdfWriter, size: QSizeF, title: str)
     for number in range(count):
         if number:
             writer.newPage()
-        painter.save()
-        painter.translate(0.0, -number * size.height())
-        context = QAbstractTextDocumentLayout.PaintContext()
-        context.clip = QRectF(0.0, number * size.height(), size.width(), size.height())
-        painter.setClipRect(context.clip)
-        document.documentLayout().draw(painter, context)
-        painter.restore()
+        draw_page(document, painter, size, number)
         painter.setFont(QFont("Noto Sans", 8))
         painter.setPen(Qt.GlobalColor.darkGray)
         foot = QRectF(0.0, size.height() + 12, size.width(), FOOTER - 12)
         painter.drawText(foot, Qt.AlignmentFlag.AlignLeft, title)
         painter.drawText(foot, Qt.AlignmentFlag.AlignRight, f"{number + 1} / {count}")
     painter.end()
+
+
+def draw_page(document: QTextDocument, painter: QPainter, size: QSizeF, number: int) -> None:
+    """Draw one page of a document; nothing beyond its edges."""
+    painter.save()
+    painter.translate(0.0, -number * size.height())
+    context = QAbstractTextDocumentLayout.PaintContext()
+    context.clip = QRectF(0.0, number * size.height(), size.width(), size.height())
+    painter.setClipRect(context.clip)
+    document.documentLayout().draw(painter, context)
+    painter.restore()

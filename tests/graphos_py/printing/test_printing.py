@@ -7,6 +7,9 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from PySide6.QtCore import QBuffer
+from PySide6.QtGui import QPainter
+from PySide6.QtSvg import QSvgGenerator
 
 from graphos_core.errors import UserError
 from graphos_core.report.page import Page, Paragraph, Picture, Pictures, Section, Table
@@ -51,6 +54,26 @@ def test_no_heading_stands_alone_at_the_foot_of_a_page(qapp: object) -> None:
         block = block.next()
     assert len(tops) == 9
     assert max(tops) <= printing.LAST * height + 1.0
+
+
+def test_every_text_of_the_page_is_drawn(qapp: object) -> None:
+    size = printing.QSizeF(670, 980)
+    document, _ = printing._document(page(9), size)
+    drawn = ""
+    for number in range(document.pageCount()):
+        buffer = QBuffer()
+        recorder = QSvgGenerator()
+        recorder.setOutputDevice(buffer)
+        painter = QPainter(recorder)
+        printing.draw_page(document, painter, size, number)
+        painter.end()
+        drawn += buffer.data().data().decode()
+    words = re.sub(r"<[^>]+>|\s", "", drawn)  # an anchor cuts a heading into two texts
+    for i in range(9):
+        for text in (f"Heading {i}", f"picture {i}", f"caption of picture {i}", f"small {i} 2"):
+            assert text.replace(" ", "") in words, text
+    assert words.count("1±2") == 9 * 12
+    assert "Bundleadjustment" in words
 
 
 def test_print_page_writes_a_pdf_of_several_pages(qapp: object, tmp_path: Path) -> None:
