@@ -173,7 +173,7 @@ def _keep_headings(document: QTextDocument, size: QSizeF) -> None:
                 form = QTextBlockFormat()
                 form.setPageBreakPolicy(QTextFormat.PageBreakFlag.PageBreak_AlwaysBefore)
                 QTextCursor(block).mergeBlockFormat(form)
-                #document.setPageSize(QSizeF(size.width(), 2.0 * size.height()))
+                document.setPageSize(QSizeF(size.width(), 2.0 * size.height()))
                 document.setPageSize(size)
         block = block.next()
 
