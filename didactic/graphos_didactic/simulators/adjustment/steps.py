@@ -119,10 +119,10 @@ def _panels(run: Iteration) -> tuple[Panel, ...]:
     rows, columns = run.jacobian.shape
     u, count = run.problem.unknowns, len(run.solution.iterations)
     return (
-        Panel(name="photo", title="Photo 1", rect=(0.0, 0.0, 0.28, 0.40), kind="picture", x_range=(-0.5, WIDTH - 0.5),
+        Panel(name="photo", title="Photo 1", rect=(0.0, 0.0, 0.28, 0.42), kind="picture", x_range=(-0.5, WIDTH - 0.5),
               y_range=(-0.5, HEIGHT - 0.5), equal=True, y_down=True),
-        Panel(name="plan", title="From above", rect=(0.0, 0.40, 0.28, 0.60), x_range=(-9.0, 7.5),
-              y_range=(-8.5, 8.0), x_label="X [m]", y_label="Y [m]", equal=True),
+        Panel(name="plan", title="From above", rect=(0.0, 0.42, 0.28, 0.58), x_range=(-8.2, 5.6),
+              y_range=(-5.2, 6.4), x_label="X [m]", y_label="Y [m]", equal=True),
         Panel(name="jacobian", title="Jacobian A", rect=(0.28, 0.0, 0.15, 0.52), kind="picture",
               x_range=(-0.5, columns - 0.5), y_range=(-0.5, rows - 0.5), y_down=True),
         Panel(name="normal", title="Normal matrix AᵀPA", rect=(0.43, 0.0, 0.19, 0.52), kind="picture",

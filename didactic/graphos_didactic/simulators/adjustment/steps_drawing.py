@@ -128,9 +128,12 @@ def schur_marks(run: Iteration) -> list[AnyMark]:
 
 
 def _matrix(panel: str, thing: str, values: Array, colours: Array, columns: tuple[int, ...], rows: tuple[int, ...]) -> list[AnyMark]:  # fmt: skip
-    """Draw a matrix as a picture: an entry is as strong as its logarithm, against the largest of its column."""
+    """Draw a matrix as a picture: an entry is as strong as its logarithm, against its diagonal or its column."""
     size = np.abs(values)
     largest = np.maximum(size.max(axis=0, keepdims=True), 1e-300)
+    if values.shape[0] == values.shape[1]:
+        root = np.sqrt(np.maximum(size.diagonal(), 1e-300))
+        largest = np.outer(root, root)
     strength = np.where(
         size > 0, np.clip(1.0 + np.log10(np.maximum(size / largest, 1e-4)) / 4.0, 0.15, 1.0), 0.0
     )
