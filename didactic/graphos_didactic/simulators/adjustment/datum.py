@@ -25,6 +25,7 @@ from graphos_didactic.simulators.adjustment.datum_model import Held
 from graphos_didactic.simulators.adjustment.datum_params import LESSON, DatumParams
 from graphos_didactic.simulators.adjustment.datum_tasks import PREDICTION, datum_task
 from graphos_didactic.simulators.adjustment.four_photos import HEIGHT, POINTS_XYZ, WIDTH
+from graphos_didactic.simulators.observed_space import space_panel
 
 THINGS = {
     "block": "the adjusted block",
@@ -91,8 +92,7 @@ def datum(params: DatumParams, setting: Setting) -> Scene:
 def _panels(held: Held) -> tuple[Panel, ...]:
     across, down = (-0.5, WIDTH - 0.5), (-0.5, HEIGHT - 0.5)
     return (
-        Panel(name="space", title="The block, and a free motion (dashed)", rect=(0.0, 0.0, 0.40, 0.62), kind="picture",
-              x_range=(-175, 175), y_range=(-165, 165), equal=True, y_down=True),
+        space_panel("The block, and a free motion (dashed)", (0.0, 0.0, 0.40, 0.62)),
         Panel(name="plan", title=f"From above · ellipses {held.params.exaggeration}×", rect=(0.40, 0.0, 0.33, 0.62),
               x_range=(-4.4, 4.4), y_range=(-3.9, 3.9), x_label="X [m]", y_label="Y [m]", equal=True),
         Panel(name="spectrum", title="Eigenvalues of the normal matrix", rect=(0.0, 0.62, 0.25, 0.38),

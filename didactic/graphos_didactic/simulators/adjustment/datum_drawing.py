@@ -13,7 +13,7 @@ from graphos_didactic.scene import AnyMark, Handle, Line, Marker, Picture, Point
 from graphos_didactic.simulator import Setting
 from graphos_didactic.simulators.adjustment.datum_model import Held
 from graphos_didactic.simulators.adjustment.four_photos import CAMERA, HEIGHT, POINTS_XYZ, WIDTH
-from graphos_didactic.simulators.adjustment.small_block import observer, pyramid
+from graphos_didactic.simulators.observed_space import Observer, pyramid
 from graphos_didactic.simulators.pictured_plane import Plane, photo_or_simulated, photograph
 
 GRID_LINES = ((0, 1, 2), (3, 4, 5), (6, 7, 8), (0, 3, 6), (1, 4, 7), (2, 5, 8))
@@ -27,9 +27,8 @@ LARGEST_DRAWN = 3.0
 """Semi-axes of ellipses are drawn at most this large, m."""
 
 
-def seen_from() -> Callable[[Array], Array]:
-    """Return the observer of the block."""
-    return observer(24.0, np.array([0.0, 0.0, 4.0]), 20.5, 0.36)
+WATCHER = Observer(np.array([0.0, 0.0, 4.0]), 20.5, 24.0, height=21.0)
+"""Who looks at the block."""
 
 
 def _net(points: Array) -> Array:
@@ -53,15 +52,16 @@ def moved(held: Held) -> tuple[Array, Array, Array] | None:
 
 def space_marks(held: Held, control: bool, ghost: bool) -> list[AnyMark]:
     """Draw the adjusted block and, dashed, where a free motion carries it."""
-    seen, block = seen_from(), held.adjustment.block
+    seen, block = WATCHER.seen, held.adjustment.block
     points = np.asarray(block.points)
     marks: list[AnyMark] = [
         Line(panel="space", thing="block", role="estimate", xy=_seen_net(points, seen), width=1.6),
         Points(panel="space", thing="block", role="estimate", xy=seen(points), size=6.0),
     ]
     for i in range(len(block.names)):
-        photo = CAMERA, block.rotations[i], block.centres[i]
-        marks += pyramid("space", "block", "estimate", photo, 1.1, seen)
+        marks += pyramid(
+            WATCHER, CAMERA, block.rotations[i], block.centres[i], thing="block", role="estimate", size=1.1
+        )
     if ghost and (there := moved(held)) is not None:
         marks += [
             Line(
@@ -76,7 +76,7 @@ def space_marks(held: Held, control: bool, ghost: bool) -> list[AnyMark]:
         ]
         for i in range(len(block.names)):
             marks += pyramid(
-                "space", "motion", "third", (CAMERA, there[2][i], there[1][i]), 1.1, seen, dash="dash"
+                WATCHER, CAMERA, there[2][i], there[1][i], thing="motion", role="third", size=1.1, dash="dash"
             )
     if control:
         marks += _control("space", held, seen)
@@ -198,7 +198,7 @@ def handle_marks(held: Held) -> list[Handle]:
     p = held.params
     handles: list[Handle] = []
     if held.shown is not None:
-        point, seen, motion = np.asarray(held.adjustment.block.points)[TAKEN], seen_from(), held.shown
+        point, seen, motion = np.asarray(held.adjustment.block.points)[TAKEN], WATCHER.seen, held.shown
         ends = seen(np.concatenate([motion.of(a).apply(point[None]) for a in (-1.0, p.amount, 1.0)]))
         way = ends[2] - ends[0]
         length = max(float(way @ way), 1.0)

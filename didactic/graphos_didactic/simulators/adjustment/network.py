@@ -24,6 +24,7 @@ from graphos_didactic.simulators.adjustment.network_drawing import (
 from graphos_didactic.simulators.adjustment.network_model import HEIGHT, WIDTH, Network
 from graphos_didactic.simulators.adjustment.network_params import FEWEST, LESSON, MOST, NetworkParams
 from graphos_didactic.simulators.adjustment.network_tasks import PREDICTION, network_task
+from graphos_didactic.simulators.observed_space import space_panel
 
 THINGS = {
     "upright": "photos taken upright",
@@ -102,8 +103,7 @@ def _top(net: Network) -> float:
 def _panels(net: Network, top: float) -> tuple[Panel, ...]:
     size = len(net.names) + 6
     panels = [
-        Panel(name="space", title="The network", rect=(0.0, 0.0, 0.44, 0.55), kind="picture", x_range=(-215, 215),
-              y_range=(-165, 165), equal=True, y_down=True),
+        space_panel("The network", (0.0, 0.0, 0.44, 0.55)),
         Panel(name="plan", title="From above", rect=(0.0, 0.55, 0.22, 0.45), x_range=(-4.2, 4.2),
               y_range=(-4.6, 4.6), x_label="X [m]", y_label="Y [m]", equal=True),
         Panel(name="section", title="From the side", rect=(0.22, 0.55, 0.22, 0.45), x_range=(-3.1, 5.1),

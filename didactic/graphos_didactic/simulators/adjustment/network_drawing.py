@@ -17,7 +17,8 @@ from graphos_didactic.simulators.adjustment.network_model import (
     WIDTH,
     Network,
 )
-from graphos_didactic.simulators.adjustment.small_block import POSE, observer, pyramid
+from graphos_didactic.simulators.adjustment.small_block import POSE
+from graphos_didactic.simulators.observed_space import Observer, pyramid
 from graphos_didactic.simulators.pictured_plane import Plane, photo_or_simulated, photograph
 
 SYMBOLS = {"focal_px": "f", "x0": "x₀", "y0": "y₀", "k1": "k₁", "k2": "k₂", "p1": "p₁", "p2": "p₂"}
@@ -27,23 +28,26 @@ ARM = 1.5
 """Length of a photo's arrow in the plan, m."""
 
 
+def watcher(network: Network) -> Observer:
+    """Return who looks at the network."""
+    return Observer(np.array([0.0, 0.0, 2.2]), 11.5, network.params.orbit, height=21.0)
+
+
 def space_marks(network: Network) -> list[AnyMark]:
     """Draw targets and photos as the observer sees them; photos that were rolled are dashed."""
-    seen = observer(network.params.orbit, np.array([0.0, 0.0, 2.2]), 11.5, 0.36)
+    beside = watcher(network)
     edge = np.array([[-2.1, -1.7, 0], [2.1, -1.7, 0], [2.1, 1.7, 0], [-2.1, 1.7, 0]])
-    marks: list[AnyMark] = [Polygon(panel="space", role="muted", xy=seen(edge), fill=0.07, width=1.0)]
     known = np.isin(np.arange(len(network.targets)), KNOWN)
-    marks += [
-        Points(panel="space", thing="targets", role="neutral", xy=seen(network.targets[~known]), size=4.5),
-        Points(panel="space", thing="known", role="truth", xy=seen(network.targets[known]), size=10, marker="triangle"),
+    marks: list[AnyMark] = [
+        Polygon(panel="space", role="muted", xy=beside.seen(edge), fill=0.07, width=1.0),
+        Points(panel="space", thing="targets", role="neutral", xy=beside.seen(network.targets[~known]), size=4.5),
+        Points(panel="space", thing="known", role="truth", xy=beside.seen(network.targets[known]), size=10,
+               marker="triangle"),
     ]  # fmt: skip
     stations = network.stations
     for i, name in enumerate(stations.names):
-        photo = CAMERA, stations.rotations[i], stations.centres[i]
-        marks += pyramid("space", _thing(i), _role(i), photo, 0.55, seen, dash=_dash(i))
-        at = seen(stations.centres[i][None] * 1.06)[0]
-        marks.append(Words(panel="space", thing=_thing(i), role=_role(i), at=(float(at[0]), float(at[1])), text=name,
-                           anchor="bottom"))  # fmt: skip
+        marks += pyramid(beside, CAMERA, stations.rotations[i], stations.centres[i], thing=_thing(i), role=_role(i),
+                         size=0.55, dash=_dash(i), label=name)  # fmt: skip
     return marks
 
 
@@ -167,7 +171,7 @@ def growth_marks(network: Network, top: float) -> list[AnyMark]:
 
 
 def handle_marks(network: Network, top: float) -> list[Handle]:
-    """Return the handles: tilt and depth in the section, roll in the plan, number of photos in the curve."""
+    """Return the handles: observer, tilt and depth in the section, roll in the plan, number of photos in the curve."""
     p, centre = network.params, network.stations.centres
     at = centre[1, :2] + ARM * _up(network, 1)
     level = float(np.degrees(np.arctan2(*_up(network, 1)))) + p.roll
@@ -187,6 +191,7 @@ def handle_marks(network: Network, top: float) -> list[Handle]:
         Handle(panel="growth", name="photos", thing="photos", label="Photos", role="accent", freedom="x",
                at=(float(p.photos), 0.08 * top), parameters=("photos",), move=lambda x, _: {"photos": x},
                nudge=(1.0, 0.0)),
+        watcher(network).orbit_handle(),
     ]  # fmt: skip
 
 
