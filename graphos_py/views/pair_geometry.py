@@ -6,14 +6,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphos_core.cameras import pixel_from_ray, ray_from_pixel
+from graphos_core.cameras import camera_model, pixel_from_ray, ray_from_pixel
+from graphos_core.cameras.lens import within_field
 from graphos_core.data import Array, Camera, PairMatches
 from graphos_core.geometry.epipolar import (
+    epipolar_circle,
     epipolar_lines,
     fundamental_from_essential,
     interior_matrix,
     line_distances,
 )
+from graphos_core.geometry.rays import rays_of
+from graphos_core.geometry.relative_orientation import RayPairs
 
 SAMPLES = 64
 
@@ -25,16 +29,20 @@ class PairGeometry:
     Attributes
     ----------
     fundamental : float64 (3, 3)
-        For measured px, or for distortion-free px where there are cameras.
+        For measured px, or for distortion-free px where there are cameras; the essential matrix where one of them is
+        wide.
     sizes : ((width, height), (width, height))
         Of the photos, px.
     cameras : (Camera, Camera) or None
         Where the matrix is an essential one.
+    wide : bool
+        Whether one of the cameras sees rays that no image plane holds: fish-eye or panorama.
     """
 
     fundamental: Array
     sizes: tuple[tuple[int, int], tuple[int, int]]
     cameras: tuple[Camera, Camera] | None = None
+    wide: bool = False
 
     @classmethod
     def of_pair(
@@ -49,19 +57,31 @@ class PairGeometry:
         if pair.kind == "fundamental":
             return cls(np.asarray(pair.matrix), sizes)
         if pair.kind == "essential" and cameras is not None:
+            if any(camera_model(camera.model).wide for camera in cameras):
+                return cls(np.asarray(pair.matrix), sizes, cameras, wide=True)
             return cls(fundamental_from_essential(pair.matrix, *cameras), sizes, cameras)
         return None
 
     def distances(self, xy_a: Array, xy_b: Array) -> Array:
         """Return the larger distance (n,) of each match from the two epipolar lines, px."""
+        if self.wide and self.cameras is not None:
+            rays = (rays_of(camera, xy) for camera, xy in zip(self.cameras, (xy_a, xy_b), strict=True))
+            return RayPairs(*rays).line_distances(self.fundamental)
         a, b = self._ideal(0, xy_a), self._ideal(1, xy_b)
         return np.asarray(np.maximum(*line_distances(self.fundamental, a, b)))
 
     def curve(self, side: int, x: float, y: float) -> Array:
         """Return points (n, 2) of the epipolar curve, in the other photo, of pixel (x, y) of photo `side`.
 
-        A straight line, bent by the distortion of the other camera where it is known.
+        A straight line, bent by the distortion of the other camera where it is known; in a fish-eye photo the image of
+        the whole epipolar plane, NaN outside the image circle.
         """
+        if self.wide and self.cameras is not None:
+            ray = ray_from_pixel(self.cameras[side], np.array([[x, y]]))[0]
+            circle = epipolar_circle(self.fundamental, ray, 8 * SAMPLES, into_a=side == 1)
+            pixels = pixel_from_ray(self.cameras[1 - side], circle)
+            pixels[~within_field(self.cameras[1 - side], circle)] = np.nan
+            return pixels
         a, b, c = epipolar_lines(self.fundamental, self._ideal(side, np.array([[x, y]])), into_a=side == 1)[0]
         width, height = self.sizes[1 - side]
         share = np.linspace(-0.25, 1.25, SAMPLES if self.cameras else 2)

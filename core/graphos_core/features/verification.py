@@ -213,9 +213,7 @@ def _by_rays(
     if not found:
         return None, usable
     essential = essential_from_relative(found.rotation, found.translation)
-    misfit, in_a, in_b = pairs.line_gradients(essential)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        distance = np.abs(misfit) / np.minimum(np.linalg.norm(in_a, axis=1), np.linalg.norm(in_b, axis=1))
+    distance = pairs.line_distances(essential)
     return essential / np.linalg.norm(essential), usable[distance <= params.threshold]
 
 

@@ -103,6 +103,21 @@ def line_transfer(fundamental_a: Array, fundamental_b: Array, a: Array, b: Array
     return np.cross(np.asarray(a) @ np.asarray(fundamental_a).T, np.asarray(b) @ np.asarray(fundamental_b).T)
 
 
+def epipolar_circle(essential: Array, ray: Array, count: int, *, into_a: bool = False) -> Array:
+    """Return directions (count, 3) all round the epipolar plane of one ray: what becomes a curve in a fish-eye photo.
+
+    Parameters
+    ----------
+    essential : float64 (3, 3)
+    ray : float64 (3,)
+        In a, or in b when `into_a`.
+    """
+    normal = (np.asarray(essential).T if into_a else np.asarray(essential)) @ np.asarray(ray)
+    plane = np.linalg.svd(normal[None])[2][1:]
+    angle = np.linspace(0.0, 2.0 * np.pi, count)
+    return np.asarray(np.column_stack([np.cos(angle), np.sin(angle)]) @ plane)
+
+
 def epipoles(fundamental: Array) -> tuple[Array, Array]:
     """Return the epipoles in a and in b as homogeneous points (3,) of length 1 with third component ≥ 0.
 

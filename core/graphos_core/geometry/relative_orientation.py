@@ -74,6 +74,14 @@ class RayPairs:
             np.einsum("nk,nkj->nj", in_b, spread_b),
         )
 
+    def line_distances(self, essential: Array) -> Array:
+        """Return the larger distance (n,) of each ray from the epipolar plane of its partner, px of its photo."""
+        misfit, in_a, in_b = self.line_gradients(essential)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(
+                np.abs(misfit) / np.minimum(np.linalg.norm(in_a, axis=1), np.linalg.norm(in_b, axis=1))
+            )
+
     def sampson(self, essential: Array) -> Array:
         """Return signed Sampson distances (n,), px."""
         misfit, in_a, in_b = self.line_gradients(essential)

@@ -17,7 +17,10 @@ from graphos_core.cameras.lens import CIRCLE, with_lens
 from graphos_core.data import Array, Camera, Exif, Features, PairMatches, Photo, PhotoSet, Tracks
 from graphos_core.errors import ParamError
 from graphos_core.features.verification import UsacParams, usac
+from graphos_core.geometry.epipolar import epipolar_circle, essential_from_relative
+from graphos_core.geometry.epipolar import relative_orientation as relative
 from graphos_core.geometry.rays import rays_of
+from graphos_core.geometry.relative_orientation import RayPairs
 from graphos_core.geometry.rotation import angle_between, look_at, matrix_from_vector
 from graphos_core.geometry.similarity import estimate_similarity
 from graphos_core.project_file import Settings, check_settings, read_settings, write_settings
@@ -140,6 +143,20 @@ def test_wrong_matches_between_fisheye_photos_are_found_and_right_ones_kept() ->
     found = usac((1, 7), *features, every, (photos.cameras[0],) * 2, UsacParams(), run=Run())
     kept = np.isin(np.arange(len(common)), found.matches[:, 0])
     assert found.kind == "essential" and kept[wrong:].mean() > 0.97 and kept[:wrong].mean() < 0.15
+
+
+def test_the_epipolar_plane_of_a_fisheye_ray_goes_through_its_partner() -> None:
+    camera = true_camera("fisheye-equisolid")
+    photos, tracks, centres, rotations, _ = room(camera, noise_px=0.0)
+    a, b = (np.flatnonzero(tracks.photo == i) for i in (1, 7))
+    _, in_a, in_b = np.intersect1d(tracks.track[a], tracks.track[b], return_indices=True)
+    pairs = RayPairs(rays_of(camera, tracks.xy[a[in_a]]), rays_of(camera, tracks.xy[b[in_b]]))
+    essential = essential_from_relative(*relative(rotations[1], centres[1], rotations[7], centres[7]))
+    assert pairs.line_distances(essential).max() < 1e-6
+    circle = epipolar_circle(essential, pairs.a.directions[0], 3600)
+    assert (circle @ pairs.b.directions[0]).max() > 1.0 - 1e-5
+    off = RayPairs(pairs.a, rays_of(camera, tracks.xy[b[in_b]] + np.array([3.0, 4.0])))
+    assert 0.5 < np.median(off.line_distances(essential)) <= 5.1
 
 
 def test_rays_of_a_fisheye_count_in_pixels_of_the_photo() -> None:
