@@ -147,7 +147,7 @@ def test_wrong_matches_between_fisheye_photos_are_found_and_right_ones_kept() ->
 
 def test_the_epipolar_plane_of_a_fisheye_ray_goes_through_its_partner() -> None:
     camera = true_camera("fisheye-equisolid")
-    photos, tracks, centres, rotations, _ = room(camera, noise_px=0.0)
+    _, tracks, centres, rotations, _ = room(camera, noise_px=0.0)
     a, b = (np.flatnonzero(tracks.photo == i) for i in (1, 7))
     _, in_a, in_b = np.intersect1d(tracks.track[a], tracks.track[b], return_indices=True)
     pairs = RayPairs(rays_of(camera, tracks.xy[a[in_a]]), rays_of(camera, tracks.xy[b[in_b]]))
