@@ -30,7 +30,7 @@ def tables() -> dict[str, str]:
     for kind in CAMERA_FORMATS.values():
         models = ", ".join(n.split(" ", 1)[-1] for n in formulas() if n.split()[0] == kind.name)
         cameras.append([f"`{kind.name}`", kind.label, "yes" if kind.text else "no", models])
-    orientations = [[f"`{k.name}`", k.label, "folder" if k.folder else "file", "yes" if k.cameras else "no", "yes" if k.points else "no"]
+    orientations = [[f"`{k.name}`", k.label, "folder" if k.folder else "file", "yes" if k.cameras else "no", "yes" if k.points else "no", "yes" if k.write else "no"]
                     for k in ORIENTATION_FORMATS.values()]  # fmt: skip
     conventions = []
     for c in CONVENTIONS:
@@ -46,7 +46,7 @@ def tables() -> dict[str, str]:
         )
     return {
         "cameras": table(["format", "program", "written", "models"], cameras),
-        "orientations": table(["format", "program", "kind", "cameras", "points"], orientations),
+        "orientations": table(["format", "program", "kind", "cameras", "points", "written"], orientations),
         "tiepoints": table(["format", "what"], [[f"`{n}`", label] for n, label in TIE_POINT_FORMATS.items()]),
         "angles": table(["order", "meaning"], [[name, meaning] for name, meaning in ORDERS.items()]),
         "conventions": table(["program", "centre of the first pixel", "y", "distortion", "units", "coefficients", "pose", "source"], conventions),

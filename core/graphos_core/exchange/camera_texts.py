@@ -38,8 +38,7 @@ def read_photomodeler_camera(path: Path, frame: Format | None = None) -> Foreign
         When the file cannot be read, or does not tell the format in pixels and none is given.
     """
     lines = read_lines(path)
-    words = lines[1].split() if len(lines) > 3 else []
-    if len(words) == 4 and words[2].isdigit() and words[3].isdigit():
+    if is_photomodeler_export(lines):
         return _photomodeler_export(path, lines)
     text = "\n".join(lines)
     found: dict[str, float] = {}
@@ -62,6 +61,12 @@ def read_photomodeler_camera(path: Path, frame: Format | None = None) -> Foreign
     return ForeignCamera(
         "photomodeler", np.array([found.get(key, 0.0) for key in PHOTOMODELER]), frame, path.stem
     )
+
+
+def is_photomodeler_export(lines: list[str]) -> bool:
+    """Return whether lines begin like a text export: σ, version, width and height in px on the second."""
+    words = lines[1].split() if len(lines) > 3 else []
+    return len(words) == 4 and words[2].isdigit() and words[3].isdigit()
 
 
 def _photomodeler_export(path: Path, lines: list[str]) -> ForeignCamera:

@@ -17,6 +17,8 @@ import numpy as np
 
 from graphos_core.data import Array, Block, Control
 from graphos_core.errors import UserError
+from graphos_core.exchange.block_parts import Parts, Read
+from graphos_core.exchange.camera_texts import read_photomodeler_camera
 from graphos_core.exchange.dbat_case import PIXEL_ORIGIN, DbatCamera, DbatCase, Measured, assemble
 from graphos_core.exchange.dbat_tables import read_table
 from graphos_core.geometry.rotation import matrix_from_opk
@@ -63,6 +65,37 @@ def read_photomodeler(export: str | Path, measured: str | Path) -> Block:
         point_track=identifiers.astype(np.int32), obs_photo=photo[order].astype(np.int32),
         obs_point=point[order].astype(np.int32), obs_xy=xy[order], unit="m",
     )  # fmt: skip
+
+
+def read_photomodeler_export(path: Path) -> Read:
+    """Read an export with its camera, distortion included, its orientations, object points and measured points.
+
+    Raises
+    ------
+    UserError
+        When the file is not such an export.
+    """
+    source = read_photomodeler_camera(path)
+    parts = Parts(unit="m")
+    try:
+        lines = _lines(path)
+        camera = parts.add_camera(source)
+        for name, rotation, centre in zip(*_stations(lines), strict=True):
+            parts.add_photo(name, camera, rotation, centre)
+        identifiers, points = _points(lines)
+        place = {int(key): i for i, key in enumerate(identifiers)}
+        parts.points = points.tolist()
+        marks = _marks(lines)
+        for key, photo, (x, y) in zip(marks.point, marks.photo, marks.xy.tolist(), strict=True):
+            if int(key) in place and 0 <= photo < len(parts.names):
+                parts.observations.append((place[int(key)], int(photo), x, y))
+    except (OSError, ValueError, IndexError, KeyError) as problem:
+        raise UserError(
+            Text("{name} cannot be read.", name=path.name),
+            Text("It is not a text export of PhotoModeler: {why}.", why=problem),
+            "Give the file …-pmexport.txt.",
+        ) from problem
+    return parts.read()
 
 
 def read_photomodeler_case(export: str | Path, control: str | Path) -> DbatCase:

@@ -10,10 +10,12 @@ from graphos_core.data import Block, Camera
 from graphos_core.errors import UserError
 from graphos_core.exchange.block_parts import Read, Written
 from graphos_core.exchange.bundler import read_bundler, write_bundler
+from graphos_core.exchange.camera_texts import is_photomodeler_export
 from graphos_core.exchange.colmap import write_colmap
 from graphos_core.exchange.colmap_binary import read_colmap_binary, write_colmap_binary
 from graphos_core.exchange.colmap_lines import parse_model
 from graphos_core.exchange.colmap_model import block_from_model, colmap_camera
+from graphos_core.exchange.dbat import read_photomodeler_export
 from graphos_core.exchange.metashape import read_metashape, write_metashape
 from graphos_core.exchange.micmac import PREFIX, read_micmac, write_micmac
 from graphos_core.exchange.nvm import read_nvm, write_nvm
@@ -56,6 +58,7 @@ class OrientationFormat:
     cameras, points : bool
         Whether it holds cameras, and object points with their image points.
     read, write : callable
+        `write` is None for a format that is only read.
     """
 
     name: str
@@ -64,7 +67,7 @@ class OrientationFormat:
     cameras: bool
     points: bool
     read: Callable[[Path, OrientationOptions], Read]
-    write: Callable[[Block, Path, OrientationOptions], Written]
+    write: Callable[[Block, Path, OrientationOptions], Written] | None
 
 
 def _needed(options: OrientationOptions) -> Camera:
@@ -108,6 +111,8 @@ ORIENTATION_FORMATS: dict[str, OrientationFormat] = {f.name: f for f in (
                       lambda path, _: read_micmac(path), lambda block, path, _: write_micmac(block, path)),
     OrientationFormat("metashape", "Agisoft Metashape cameras (XML)", False, True, False,
                       lambda path, _: read_metashape(path), lambda block, path, _: write_metashape(block, path)),
+    OrientationFormat("photomodeler", "PhotoModeler text export", False, True, True,
+                      lambda path, _: read_photomodeler_export(path), None),
     OrientationFormat("patb", "PAT-B orientations (.ori)", False, False, False,
                       lambda path, o: read_patb(path, _needed(o), transposed=o.transposed),
                       lambda block, path, _: write_patb(block, path)),
@@ -129,6 +134,23 @@ def orientation_format(name: str) -> OrientationFormat:
     if name not in ORIENTATION_FORMATS:
         raise UserError(unknown_name(name, list(ORIENTATION_FORMATS), "orientation format"))
     return ORIENTATION_FORMATS[name]
+
+
+def write_orientation(block: Block, path: Path, name: str, options: OrientationOptions) -> Written:
+    """Write a block in a format.
+
+    Raises
+    ------
+    UserError
+        When the format is unknown or only read, a file cannot be written, or a camera not be expressed.
+    """
+    kind = orientation_format(name)
+    if kind.write is None:
+        raise UserError(
+            Text("{label} is only read here.", label=kind.label),
+            "Its files hold settings of a project besides the orientations.", "Choose another format.",
+        )  # fmt: skip
+    return kind.write(block, path, options)
 
 
 def guess_orientation_format(path: Path) -> str:
@@ -153,6 +175,8 @@ def guess_orientation_format(path: Path) -> str:
             return "bundler"
         if "<chunk" in head or "<document" in head:
             return "metashape"
+        if is_photomodeler_export(head.splitlines()):
+            return "photomodeler"
         if path.suffix.casefold() == ".ori":
             return "patb"
         if path.suffix.casefold() in (".csv", ".txt", ".tsv"):

@@ -15,9 +15,17 @@ from graphos_core.exchange.block_parts import reprojection_px
 from graphos_core.exchange.bundler import read_bundler, write_bundler
 from graphos_core.exchange.colmap import read_colmap, write_colmap
 from graphos_core.exchange.colmap_binary import read_colmap_binary, write_colmap_binary
+from graphos_core.exchange.dbat_report import read_report
 from graphos_core.exchange.metashape import read_metashape, write_metashape
 from graphos_core.exchange.micmac import read_micmac, write_micmac
 from graphos_core.exchange.nvm import read_nvm, write_nvm
+from graphos_core.exchange.orientation_formats import (
+    ORIENTATION_FORMATS,
+    OrientationOptions,
+    guess_orientation_format,
+    orientation_format,
+    write_orientation,
+)
 
 FISHEYE = Camera(
     model="fisheye_equidistant", width=801, height=801,
@@ -219,3 +227,31 @@ def test_damaged_binary_models_and_folders_are_refused(tmp_path, block_of):
         read_colmap_binary(tmp_path)
     with pytest.raises(UserError, match="no orientation of MicMac"):
         read_micmac(tmp_path)
+
+
+@pytest.mark.data
+def test_an_export_of_photomodeler_projects_as_its_report_says(data_dir):
+    folder = data_dir / "dbat" / "prague2016_sxb"
+    path = folder / "pmexports" / "w-op1-no-orient-pmexport.txt"
+    assert guess_orientation_format(path) == "photomodeler"
+    block = orientation_format("photomodeler").read(path, OrientationOptions()).block
+    assert (len(block.names), len(block.points), len(block.obs_xy)) == (5, 17, 51)
+    printed = read_report(folder / "dbatexports" / "w-op1-no-orient-dbatreport.txt").point_rms_px
+    rms = np.sqrt((reprojection_px(block) ** 2).sum(axis=1).mean())
+    assert rms == pytest.approx(printed, abs=0.15)  # the export prints angles to 0.001°: 0.2 px here
+    with pytest.raises(UserError, match="only read"):
+        write_orientation(block, path, "photomodeler", OrientationOptions())
+
+
+@pytest.mark.parametrize("name", sorted(ORIENTATION_FORMATS))
+def test_written_orientations_are_recognised(tmp_path, block_of, name):
+    kind = ORIENTATION_FORMATS[name]
+    if kind.write is None:
+        return
+    path = tmp_path / {"patb": "b.ori", "table": "eo.csv", "micmac": "Ori-x"}.get(name, "there")
+    options = OrientationOptions(camera=block_of().cameras[0])
+    written = write_orientation(block_of(), path, name, options)
+    assert all(file.is_file() for file in written.files)
+    assert guess_orientation_format(path) == name
+    back = kind.read(path, options).block
+    assert back.oriented.sum() == 3 and bool(len(back.points)) == kind.points
