@@ -30,7 +30,7 @@ def tables() -> dict[str, str]:
     for kind in CAMERA_FORMATS.values():
         models = ", ".join(n.split(" ", 1)[-1] for n in formulas() if n.split()[0] == kind.name)
         cameras.append([f"`{kind.name}`", kind.label, "yes" if kind.text else "no", models])
-    orientations = [[f"`{k.name}`", k.label, "folder" if k.folder else "file", "yes" if k.cameras else "no", "yes" if k.points else "no", "yes" if k.write else "no"]
+    orientations = [[f"`{k.name}`", k.label, "folder" if k.folder else "file", "yes" if k.cameras else "no", "yes" if k.points else "no", "yes" if k.written else "no"]
                     for k in ORIENTATION_FORMATS.values()]  # fmt: skip
     conventions = []
     for c in CONVENTIONS:

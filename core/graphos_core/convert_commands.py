@@ -112,7 +112,6 @@ def _orientation(options: argparse.Namespace) -> list[str]:
         OrientationOptions,
         guess_orientation_format,
         orientation_format,
-        write_orientation,
     )
     from graphos_core.params import unknown_name
 
@@ -122,7 +121,7 @@ def _orientation(options: argparse.Namespace) -> list[str]:
     of = options.of or guess_orientation_format(options.source)
     settings = OrientationOptions(_camera_of(options.camera), options.angles, options.angle_unit)
     found = orientation_format(of).read(options.source, settings)
-    made = write_orientation(found.block, options.target, options.to, settings)
+    made = writer.write(found.block, options.target, settings)
     block = found.block
     counts = Text("{photos} of {all} photos oriented, {points} points, {rays} observations",
                   photos=int(block.oriented.sum()), all=len(block.names), points=len(block.points),
@@ -164,7 +163,7 @@ def _formats(_options: argparse.Namespace) -> list[str]:
     for kind in ORIENTATION_FORMATS.values():
         holds = ", ".join(what for what, has in (("cameras", kind.cameras), ("points", kind.points)) if has)
         lines.append(
-            f"  {kind.name:<14} {kind.label} — {holds or 'poses only'}{'' if kind.write else ' (only read)'}"
+            f"  {kind.name:<14} {kind.label} — {holds or 'poses only'}{'' if kind.written else ' (only read)'}"
         )
     lines.append("tiepoints:")
     return lines + [f"  {name:<14} {label}" for name, label in TIE_POINT_FORMATS.items()]

@@ -34,7 +34,8 @@ class OrientationPage(QWidget):
         super().__init__()
         formats = [(f.name, f.label) for f in ORIENTATION_FORMATS.values()]
         self.source, self.camera = SourceLine(folders=True), SourceLine()
-        self.of, self.to = format_chooser(formats, True), format_chooser(formats, False)
+        written = [(f.name, f.label) for f in ORIENTATION_FORMATS.values() if f.written]
+        self.of, self.to = format_chooser(formats, True), format_chooser(written, False)
         self.order, self.unit = choices(ORDERS), choices(UNITS)
         self.table = OrientationPreview()
         self.said = QLabel()

@@ -58,7 +58,8 @@ class OrientationFormat:
     cameras, points : bool
         Whether it holds cameras, and object points with their image points.
     read, write : callable
-        `write` is None for a format that is only read.
+    written : bool
+        False for a format that is only read; `write` then says so.
     """
 
     name: str
@@ -67,7 +68,8 @@ class OrientationFormat:
     cameras: bool
     points: bool
     read: Callable[[Path, OrientationOptions], Read]
-    write: Callable[[Block, Path, OrientationOptions], Written] | None
+    write: Callable[[Block, Path, OrientationOptions], Written]
+    written: bool = True
 
 
 def _needed(options: OrientationOptions) -> Camera:
@@ -77,6 +79,14 @@ def _needed(options: OrientationOptions) -> Camera:
             "Give the camera of the photos: --camera FILE.",
         )  # fmt: skip
     return options.camera
+
+
+def _only_read(_block: Block, _path: Path, _options: OrientationOptions) -> Written:
+    raise UserError(
+        "This format is only read here.",
+        "Its files hold settings of a project besides the orientations.",
+        "Choose another format.",
+    )
 
 
 def _write_colmap_text(block: Block, folder: Path, _options: OrientationOptions) -> Written:
@@ -112,7 +122,7 @@ ORIENTATION_FORMATS: dict[str, OrientationFormat] = {f.name: f for f in (
     OrientationFormat("metashape", "Agisoft Metashape cameras (XML)", False, True, False,
                       lambda path, _: read_metashape(path), lambda block, path, _: write_metashape(block, path)),
     OrientationFormat("photomodeler", "PhotoModeler text export", False, True, True,
-                      lambda path, _: read_photomodeler_export(path), None),
+                      lambda path, _: read_photomodeler_export(path), _only_read, written=False),
     OrientationFormat("patb", "PAT-B orientations (.ori)", False, False, False,
                       lambda path, o: read_patb(path, _needed(o), transposed=o.transposed),
                       lambda block, path, _: write_patb(block, path)),
@@ -134,23 +144,6 @@ def orientation_format(name: str) -> OrientationFormat:
     if name not in ORIENTATION_FORMATS:
         raise UserError(unknown_name(name, list(ORIENTATION_FORMATS), "orientation format"))
     return ORIENTATION_FORMATS[name]
-
-
-def write_orientation(block: Block, path: Path, name: str, options: OrientationOptions) -> Written:
-    """Write a block in a format.
-
-    Raises
-    ------
-    UserError
-        When the format is unknown or only read, a file cannot be written, or a camera not be expressed.
-    """
-    kind = orientation_format(name)
-    if kind.write is None:
-        raise UserError(
-            Text("{label} is only read here.", label=kind.label),
-            "Its files hold settings of a project besides the orientations.", "Choose another format.",
-        )  # fmt: skip
-    return kind.write(block, path, options)
 
 
 def guess_orientation_format(path: Path) -> str:

@@ -24,7 +24,6 @@ from graphos_core.exchange.orientation_formats import (
     OrientationOptions,
     guess_orientation_format,
     orientation_format,
-    write_orientation,
 )
 
 FISHEYE = Camera(
@@ -240,17 +239,17 @@ def test_an_export_of_photomodeler_projects_as_its_report_says(data_dir):
     rms = np.sqrt((reprojection_px(block) ** 2).sum(axis=1).mean())
     assert rms == pytest.approx(printed, abs=0.15)  # the export prints angles to 0.001°: 0.2 px here
     with pytest.raises(UserError, match="only read"):
-        write_orientation(block, path, "photomodeler", OrientationOptions())
+        orientation_format("photomodeler").write(block, path, OrientationOptions())
 
 
 @pytest.mark.parametrize("name", sorted(ORIENTATION_FORMATS))
 def test_written_orientations_are_recognised(tmp_path, block_of, name):
     kind = ORIENTATION_FORMATS[name]
-    if kind.write is None:
+    if not kind.written:
         return
     path = tmp_path / {"patb": "b.ori", "table": "eo.csv", "micmac": "Ori-x"}.get(name, "there")
     options = OrientationOptions(camera=block_of().cameras[0])
-    written = write_orientation(block_of(), path, name, options)
+    written = kind.write(block_of(), path, options)
     assert all(file.is_file() for file in written.files)
     assert guess_orientation_format(path) == name
     back = kind.read(path, options).block
