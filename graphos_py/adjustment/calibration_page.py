@@ -18,6 +18,7 @@ from graphos_py.adjustment.parameter_table import ParameterTable
 from graphos_py.adjustment.special_plots import ProfilePlot
 from graphos_py.session import Session
 from graphos_py.translation import tr
+from graphos_py.views.background import Background
 
 
 class CalibrationPage(ResultPage):
@@ -28,6 +29,7 @@ class CalibrationPage(ResultPage):
     def __init__(self, session: Session) -> None:
         super().__init__()
         self._level: Level = "student"
+        self._background = Background(self)
         self.tiles = CameraTiles(session)
         self.cameras = QComboBox()
         self.cameras.activated.connect(self._show_camera)
@@ -105,12 +107,21 @@ class CalibrationPage(ResultPage):
         covariance = (
             None if adjustment.covariance is None else np.asarray(adjustment.covariance.cameras[index])
         )
-        balanced = balanced_profile(camera, covariance)
+        result = self.result
+        self._background.run(
+            lambda: (radial_profile(camera, covariance), balanced_profile(camera, covariance)),
+            lambda found: self._show_profiles(found, result),
+        )
+
+    def _show_profiles(self, found: object, result: object) -> None:
+        """Show the two profiles, which come from the views' thread because the first ones may compile."""
+        if not isinstance(found, tuple) or result is not self.result:
+            return
+        radial, balanced = found
         focal = format_value(balanced.focal_px, unit="px", digits=6)
-        self.profile.show_profiles({
-            tr("Gaussian, 95 % band"): radial_profile(camera, covariance),
-            tr("balanced, f = {focal}", focal=focal): balanced,
-        })  # fmt: skip
+        self.profile.show_profiles(
+            {tr("Gaussian, 95 % band"): radial, tr("balanced, f = {focal}", focal=focal): balanced}
+        )
 
     def _show_correlations(self, adjustment: Adjustment, camera: Camera, index: int) -> None:
         parameters = camera_model(camera.model).parameters

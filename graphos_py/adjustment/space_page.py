@@ -18,6 +18,7 @@ from graphos_core.rendering import Lines
 from graphos_core.rendering.ellipsoids import ellipsoid_lines
 from graphos_py.theme import theme
 from graphos_py.translation import tr
+from graphos_py.views.background import Background
 from graphos_py.views.block_cameras import show_cameras
 from graphos_py.views.cloud_scene import HEIGHT, RGB
 from graphos_py.views.cloud_view import CloudView
@@ -65,6 +66,7 @@ class SpacePage(QWidget):
         self.result: Any = None
         self.given: dict[str, Array] = {}
         self._oriented: list[int] = []
+        self._background = Background(self)
         self._cached: tuple[object, list[Lines]] | None = None
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
@@ -222,10 +224,21 @@ class SpacePage(QWidget):
         if self.result is None or kind in (RGB, HEIGHT):
             self.cloud.set_mode(kind)
             return
-        adjustment: Adjustment = self.result.adjustment
-        values = point_figure(adjustment, kind)
-        unit = {"precision": tr(adjustment.block.unit), "rays": "", "angle": "°", "residual": "px"}[kind]
-        if kind == "precision" and adjustment.block.unit == "m":
+        result, adjustment = self.result, self.result.adjustment
+
+        def show(values: object) -> None:
+            if (
+                isinstance(values, np.ndarray)
+                and result is self.result
+                and kind == self.figures.currentData()
+            ):
+                self._show_figure(kind, values, adjustment.block.unit)
+
+        self._background.run(lambda: point_figure(adjustment, kind), show)
+
+    def _show_figure(self, kind: str, values: Array, block_unit: str) -> None:
+        unit = {"precision": tr(block_unit), "rays": "", "angle": "°", "residual": "px"}[kind]
+        if kind == "precision" and block_unit == "m":
             values, unit = 1000 * values, "mm"
         finite = values[np.isfinite(values)]
         if len(finite):

@@ -22,7 +22,6 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from graphos_core.adjustment.measuring.sights import measured_distance
 from graphos_core.data import Block
 from graphos_core.exchange.control_sheet import SheetDistance
 from graphos_core.exchange.table_preview import number
@@ -44,6 +43,7 @@ class DistancesPanel(QWidget):
         super().__init__()
         self.desk = desk
         self.block: Block | None = None
+        self.measured: list[float] = []
         self.table = _Table(0, len(TITLES))
         self.table.setHorizontalHeaderLabels([tr(title) for title in TITLES])
         self.table.itemChanged.connect(self._typed)
@@ -89,9 +89,9 @@ class DistancesPanel(QWidget):
 
     # ------------------------------------------------------------------------------------------------ public
 
-    def show_block(self, block: Block | None) -> None:
-        """Take the adjusted block, which measures the distances; None for none."""
-        self.block = block
+    def show_block(self, block: Block | None, measured: Sequence[float]) -> None:
+        """Take the adjusted block and what it says of the distances, in its unit; None for none."""
+        self.block, self.measured = block, list(measured)
         self.refresh()
 
     def offer(self, a: str, b: str) -> None:
@@ -130,7 +130,8 @@ class DistancesPanel(QWidget):
         with QSignalBlocker(self.table):
             self.table.setRowCount(len(distances))
             for row, distance in enumerate(distances):
-                for column, text in enumerate(self._texts(distance)):
+                value = self.measured[row] if row < len(self.measured) else math.nan
+                for column, text in enumerate(self._texts(distance, value)):
                     self.table.setItem(row, column, _item(text, column))
         self.table.resizeColumnsToContents()
 
@@ -150,11 +151,10 @@ class DistancesPanel(QWidget):
                 combo.addItems(names)
                 combo.setCurrentIndex(max(combo.findText(now), min(place, combo.count() - 1)))
 
-    def _texts(self, d: SheetDistance) -> list[str]:
+    def _texts(self, d: SheetDistance, value: float) -> list[str]:
         sigma = format_value(1000 * d.sigma, digits=3) if math.isfinite(d.sigma) else ""
         measured, difference = UNKNOWN, UNKNOWN
         if self.block is not None:
-            value = measured_distance(self.desk.sheet, self.block, d.a, d.b)
             measured = format_value(value, unit=tr(self.block.unit), digits=6)
             if self.block.unit == "m" and math.isfinite(value):
                 difference = format_value(1000 * (value - d.metres), unit="mm", digits=3)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,8 +13,8 @@ from PySide6.QtWidgets import QLabel, QSplitter, QTabWidget, QVBoxLayout, QWidge
 
 from graphos_core.adjustment.measuring.object_residuals import object_residuals
 from graphos_core.adjustment.measuring.prediction import Intersection
-from graphos_core.adjustment.measuring.sights import Sight, image_rms, known_place, marks_of_point, sights
-from graphos_core.data import Block
+from graphos_core.adjustment.measuring.sights import Sight, Standing, marks_of_point, standing
+from graphos_core.data import Array, Block
 from graphos_core.exchange.control_sheet import SheetPoint
 from graphos_core.number_format import format_value
 from graphos_core.params import Level
@@ -23,6 +25,7 @@ from graphos_py.control.table import ControlTable
 from graphos_py.session import Session
 from graphos_py.theme import theme
 from graphos_py.translation import tr
+from graphos_py.views.background import Background
 from graphos_py.views.table_view import Column, TableView
 
 STATE_LABELS = {
@@ -40,6 +43,9 @@ class ControlPage(QWidget):
         self.desk = ControlDesk(session, self)
         self.result: Any = None
         self._sights: list[Sight] = []
+        self._standing_of = ""
+        self._serial = 0
+        self._background = Background(self)
         self.table = ControlTable(self.desk, level)
         self.distances = DistancesPanel(self.desk)
         self.upper = QTabWidget()
@@ -111,20 +117,29 @@ class ControlPage(QWidget):
         photos = self._photos()
         if 0 <= index < len(photos) and self.isVisible():
             self.measuring.show_photo(photos[index])
-            self._show_sights()
+            self._show_present()
 
     def refresh(self) -> None:
-        """Bring table, list and photo up to date; when seen."""
+        """Bring table, list and photo up to date; when seen.
+
+        What the block says is computed in a thread of the views, because its first call may compile.
+        """
         if not self.isVisible():
             return
-        block = self.block
-        self.distances.show_block(block)
-        if block is not None:
-            residuals = object_residuals(self.result.adjustment, self.result.georeference)
-            self.table.model.set_residuals(residuals, image_rms(self.desk.sheet, block))
-        else:
-            self.table.model.set_residuals({}, {})
-        self._show_sights()
+        names = [photo.name for photo in self._photos()]
+        sheet, name, block = self.desk.sheet, self.desk.point, self.block
+        self._serial += 1
+        if block is None:
+            self._show_standing(standing(sheet, name, names, None, None))
+            return
+        self._show_now(name)
+        serial, georeference = self._serial, self.result.georeference
+
+        def work() -> Standing | None:
+            late = serial != self._serial
+            return None if late else standing(sheet, name, names, block, georeference)
+
+        self._background.run(work, lambda found: self._standing_found(serial, found), lane="measuring")
 
     @property
     def block(self) -> Block | None:
@@ -142,24 +157,51 @@ class ControlPage(QWidget):
     def _photos(self) -> Any:
         return self.session.project.photo_set.photos if self.session.project is not None else ()
 
-    def _show_sights(self) -> None:
-        """Show the chosen point in all photos, and in the present one."""
-        names = [photo.name for photo in self._photos()]
-        name, block = self.desk.point, self.block
-        meeting: Intersection | None = None
-        self._sights = []
-        if name:
-            known = None
-            if block is not None:
-                known = known_place(self.desk.sheet, name, block, self.result.georeference)
-            meeting, self._sights = sights(self.desk.sheet, name, names, block, known)
-        with QSignalBlocker(self.photos):
-            self.photos.set_table(sight_columns(self._sights))
-            if self.measuring.photo in names and self._sights:
-                self.photos.select_rows([names.index(self.measuring.photo)])
+    def _show_present(self) -> None:
+        """Show the chosen point in another photo: its sights are known already, unless the point is another one."""
+        if self._standing_of != self.desk.point:
+            self.refresh()
+            return
         here = next((s for s in self._sights if s.photo == self.measuring.photo), None)
         self.measuring.show_sight(here)
-        self.point_text.setText(point_sentence(name, meeting, block))
+        names = [photo.name for photo in self._photos()]
+        if self.measuring.photo in names and self._sights:
+            self.photos.select_rows([names.index(self.measuring.photo)])
+
+    def _show_now(self, name: str) -> None:
+        """Show what is known without computing: the marks of the present photo, and the point as it was last seen."""
+        mark = self.desk.sheet.marks.get((name, self.measuring.photo))
+        known = self._sights if self._standing_of == name else []
+        last = next((s for s in known if s.photo == self.measuring.photo), None)
+        if last is not None:
+            state = "measured" if mark is not None else last.state
+            self.measuring.show_sight(replace(last, mark=mark, state=state))
+        else:
+            state = "measured" if mark is not None else "nothing known"
+            self.measuring.show_sight(Sight(self.measuring.photo, state, mark, None, None) if name else None)
+
+    def _standing_found(self, serial: int, found: object) -> None:
+        if isinstance(found, Standing) and serial == self._serial:
+            self._show_standing(found)
+        elif isinstance(found, Exception):
+            self.session.tell(found)
+
+    def _show_standing(self, found: Standing) -> None:
+        """Show the chosen point in all photos and in the present one, and the residuals of all points."""
+        names = [photo.name for photo in self._photos()]
+        residuals: Mapping[str, Array] = {}
+        if self.result is not None:
+            residuals = object_residuals(self.result.adjustment, self.result.georeference)
+        self.table.model.set_residuals(residuals, found.image_rms)
+        self.distances.show_block(self.block, found.distances)
+        self._sights, self._standing_of = found.sights, found.name
+        with QSignalBlocker(self.photos):
+            self.photos.set_table(sight_columns(found.sights))
+            if self.measuring.photo in names and found.sights:
+                self.photos.select_rows([names.index(self.measuring.photo)])
+        here = next((s for s in found.sights if s.photo == self.measuring.photo), None)
+        self.measuring.show_sight(here)
+        self.point_text.setText(point_sentence(found.name, found.meeting, self.block))
 
     def _photo_row(self, row: int) -> None:
         if 0 <= row < len(self._sights) and self._sights[row].photo != self.measuring.photo:

@@ -21,7 +21,7 @@ from graphos_py.adjustment.parameter_table import TEST, VALUE
 from graphos_py.adjustment.photos_page import PhotosPage
 from graphos_py.adjustment.reliability_page import ReliabilityPage
 from graphos_py.adjustment.residuals_page import ResidualsPage
-from graphos_py.adjustment.space_page import SpacePage
+from graphos_py.adjustment.space_page import TITLES, SpacePage
 from graphos_py.adjustment.special_plots import QuantilePlot
 from graphos_py.loading import load_engine
 from graphos_py.project_tree import PastRun
@@ -151,6 +151,10 @@ def test_space_draws_ellipsoids_residuals_and_rays(qtbot, result) -> None:
     for kind in ("precision", "rays", "angle", "residual"):
         page.figures.setCurrentIndex(page.figures.findData(kind))
         page.figures.activated.emit(0)
+        title = TITLES[kind]
+        qtbot.waitUntil(
+            lambda t=title: (found := page.cloud.scene.value_legend) is not None and found.title == t
+        )
         assert page.cloud.scene.value_legend.low < page.cloud.scene.value_legend.high
     with qtbot.waitSignal(page.distance_wanted) as heard:
         page.cloud.add_measure_point(3)
@@ -176,6 +180,7 @@ def test_profile_and_quantile_plots_show_what_the_engine_computes(qtbot, session
     page.set_level("expert")
     page.show_result(result)
     page.pictures.setCurrentWidget(page.profile)
+    qtbot.waitUntil(lambda: page.profile._drawing is not None, timeout=20000)
     page.profile.draw_now()
     rows = np.array(page.profile.rows(), dtype=float)
     camera, covariance = result.adjustment.block.cameras[0], result.adjustment.covariance.cameras[0]

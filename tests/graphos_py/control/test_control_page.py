@@ -10,11 +10,13 @@ import pytest
 from PySide6.QtCore import QEvent, Qt
 from PySide6.QtGui import QKeyEvent
 
-from graphos_core.adjustment.measuring.prediction import Prediction
+from graphos_core.adjustment.measuring.prediction import Prediction, project
 from graphos_core.adjustment.measuring.sights import Sight
+from graphos_core.data import Adjustment, Block, Camera, Georeference
 from graphos_core.exchange.control import read_control
-from graphos_core.exchange.control_sheet import ControlSheet, Mark, SheetPoint
+from graphos_core.exchange.control_sheet import ControlSheet, Mark, SheetDistance, SheetPoint
 from graphos_core.project import Project
+from graphos_core.results import AdjustmentResult
 from graphos_py.control.import_dialog import ImportDialog
 from graphos_py.control.measuring import next_photo
 from graphos_py.control.page import ControlPage
@@ -213,3 +215,50 @@ def test_off_points_and_standard_deviations_survive_the_file(page: ControlPage, 
     page.desk.save()
     qtbot.waitUntil(lambda: (folder / "control.csv").is_file() and not page.session.jobs.running)
     assert ControlSheet.from_known(*read_control(folder / "control.csv")) == sheet
+
+
+def test_an_oriented_block_predicts_places_and_measures_distances(qtbot, page: ControlPage) -> None:
+    camera = Camera(model="pinhole", width=160, height=120, values=np.array([150.0, 79.5, 59.5]))
+    xyz = np.array([[0.0, 0.0, 5.0], [1.0, 0.5, 5.0]])
+    centres = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    block = Block(
+        cameras=(camera,), names=("a.png", "b.png"), camera_of_photo=np.zeros(2, np.int32), oriented=np.ones(2, bool),
+        rotations=np.repeat(np.eye(3)[None], 2, axis=0), centres=centres, points=xyz,
+        colours=np.zeros((2, 3), np.uint8), point_track=np.zeros(2, np.int32),
+        obs_photo=np.array([0, 1, 0, 1], np.int32), obs_point=np.array([0, 0, 1, 1], np.int32),
+        obs_xy=np.zeros((4, 2)), unit="m",
+    )  # fmt: skip
+    places = {(p, q): project(block, q, xyz[p]) for p in (0, 1) for q in (0, 1)}
+    marks = {(f"P{p}", block.names[q]): Mark(*places[p, q].tolist()) for p, q in places}
+    del marks["P1", "b.png"]
+    sheet = ControlSheet(
+        (SheetPoint("P0"), SheetPoint("P1", tuple(xyz[1].tolist()))), marks,
+        distances=(SheetDistance("P0", "P1", 1.0), SheetDistance("a.png", "b.png", 1.002)),
+    )  # fmt: skip
+    page.desk.edit(sheet, "test")
+    unknown = np.full(4, np.nan)
+    adjustment = Adjustment(
+        block=block, sigma0_px=1.0, redundancy=1, observations=8, unknowns=7, datum="", rms_px=0.0,
+        residuals=np.zeros((4, 2)), weights=np.ones(4), sigma_rotations=np.zeros((2, 3)), sigma_centres=np.zeros((2, 3)),
+        sigma_points=np.zeros((2, 3)), iterations=(), converged=True, stop_reason="",
+    )  # fmt: skip
+    placed = Georeference(
+        method="control points", scale=1.0, rotation=np.eye(3), translation=np.zeros(3), names=("P1",),
+        check=np.array([True]), residuals=np.array([[0.003, 0.0, 0.004]]), rms_m=float(unknown[0]), check_rms_m=0.0,
+        origin=np.zeros(3),
+    )  # fmt: skip
+    page.show_result(AdjustmentResult(adjustment=adjustment, georeference=placed))
+    page.desk.choose("P1")
+    page.session.select_photo(1)
+    page.show_photo(1)
+    qtbot.waitUntil(lambda: [s.state for s in page._sights] == ["measured", "predicted"], timeout=60000)
+    prediction = page.measuring.sight.prediction
+    assert prediction.source == "coordinates" and np.allclose(prediction.xy, places[1, 1], atol=1e-6)
+    press(page, Qt.Key.Key_Space)  # takes the expected place
+    assert np.allclose(page.desk.sheet.marks["P1", "b.png"].xy, places[1, 1], atol=1e-3)
+    qtbot.waitUntil(lambda: page.table.model.image_rms.get("P1", 1.0) < 1e-3, timeout=20000)
+    cells = [page.table.model.text(page.desk.sheet.points[1], key) for key in ("r0", "r2", "r")]
+    assert cells == ["3.00", "4.00", "5.00"]
+    qtbot.waitUntil(lambda: "mm" in page.distances.table.item(1, 6).text(), timeout=20000)
+    assert page.distances.table.item(0, 5).text().startswith(f"{np.linalg.norm(xyz[1] - xyz[0]):.4f}"[:6])
+    assert page.distances.table.item(1, 6).text().startswith("\u22122.00")

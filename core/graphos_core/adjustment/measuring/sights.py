@@ -47,6 +47,49 @@ class Sight:
     residual: Array | None
 
 
+@dataclass(frozen=True)
+class Standing:
+    """Everything that is shown while control points are measured.
+
+    Attributes
+    ----------
+    name : str
+        The chosen point, empty for none.
+    meeting : Intersection or None
+        Of its rays.
+    sights : list of Sight
+        The chosen point in every photo; empty without one.
+    image_rms : mapping
+        RMS of the image residuals of every point, px.
+    distances : list of float
+        What the block says of every known distance of the sheet, in its unit; NaN where it says nothing.
+    """
+
+    name: str
+    meeting: Intersection | None
+    sights: list[Sight]
+    image_rms: Mapping[str, float]
+    distances: list[float]
+
+
+def standing(
+    sheet: ControlSheet,
+    name: str,
+    photos: Sequence[str],
+    block: Block | None,
+    georeference: Georeference | None,
+) -> Standing:
+    """Return how things stand with a sheet in a block; see `Standing`."""
+    known = None
+    if block is not None and georeference is not None:
+        known = known_place(sheet, name, block, georeference)
+    meeting, found = sights(sheet, name, photos, block, known) if name else (None, [])
+    if block is None:
+        return Standing(name, meeting, found, {}, [float("nan")] * len(sheet.distances))
+    distances = [measured_distance(sheet, block, d.a, d.b) for d in sheet.distances]
+    return Standing(name, meeting, found, image_rms(sheet, block), distances)
+
+
 def sights(
     sheet: ControlSheet, name: str, photos: Sequence[str], block: Block | None, xyz: Array | None = None
 ) -> tuple[Intersection | None, list[Sight]]:
