@@ -23,6 +23,7 @@ from graphos_core.run_comparison.loading import ComparedRun, load_compared_run
 from graphos_core.run_comparison.numbers import information, number_differences, weighted_squares
 from graphos_core.run_comparison.recipes import recipe_difference
 from graphos_core.run_comparison.records import CheckDifference, Comparison
+from graphos_core.run_comparison.statement import statement
 from graphos_core.text import Text
 
 
@@ -52,6 +53,7 @@ def compare(a: ComparedRun, b: ComparedRun) -> Comparison:
     cameras, calibrations = camera_differences(first.block, second.block, pairs)
     names_a, names_b = _oriented_names(first.block), _oriented_names(second.block)
     numbers = number_differences(first, second)
+    moved, check = point_differences(first, second, points, a_from_b), _check(a, b)
     return Comparison(
         a=a.label,
         b=b.label,
@@ -63,9 +65,10 @@ def compare(a: ComparedRun, b: ComparedRun) -> Comparison:
         photos=photo_differences(first, second, pairs, a_from_b),
         only_a=tuple(n for n in names_a if n not in set(names_b)),
         only_b=tuple(n for n in names_b if n not in set(names_a)),
-        points=point_differences(first, second, points, a_from_b),
-        check=_check(a, b),
+        points=moved,
+        check=check,
         notes=_notes(a, b),
+        statement=statement(numbers, cameras, frame, moved, check),
     )
 
 

@@ -151,4 +151,5 @@ def _decimals(rms: list[float | None]) -> int:
 
 
 def _cells(values: list[float | None] | None) -> list[str]:
-    return [UNKNOWN if v is None else format_number(v, digits=3) for v in values or [None] * 3]
+    """Return numbers without unit with two decimals."""
+    return [UNKNOWN if v is None else group_thousands(f"{v:.2f}") for v in values or [None] * 3]

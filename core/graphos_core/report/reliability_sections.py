@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from graphos_core.data import Adjustment
-from graphos_core.number_format import format_number, format_value
+from graphos_core.number_format import UNKNOWN, format_number, format_value, group_thousands
 from graphos_core.report.page import Paragraph, Part, Pictures, Section, Table, rows_of
 from graphos_core.report.residual_pictures import redundancy_histogram, w_histogram
 from graphos_core.text import Text
@@ -39,7 +39,7 @@ def _figures(found: dict[str, Any]) -> Table:
 
     rows = rows_of([
         (Text("Redundancy numbers: mean, least"),
-         f"{format_number(r['mean'], digits=2)}, {format_number(r['least'], digits=2)}"),
+         f"{_two(r['mean'])}, {_two(r['least'])}"),
         (Text("Coordinates hardly controlled (r below 0.1)"), format_number(found["weakly_controlled"])),
         (Text("Minimal detectable bias: median, 95 % below"),
          f"{format_value(mdb['median'], unit='px', digits=2)}, {format_value(mdb['q95'], unit='px', digits=2)}"),
@@ -59,11 +59,16 @@ def _suspects(rows: list[dict[str, Any]], unit: str) -> Table:
     cells = [
         (s["photo"], s["point"], s["coordinate"],
          f"{format_number(round(s['position_px'][0]))}, {format_number(round(s['position_px'][1]))}",
-         format_number(s["residual_px"], digits=3), format_number(s["w"], digits=3), format_number(s["tau"], digits=3),
-         format_number(s["redundancy_number"], digits=2), format_number(s["mdb_px"], digits=2),
+         format_number(s["residual_px"], digits=3), _two(s["w"]), _two(s["tau"]),
+         _two(s["redundancy_number"]), format_number(s["mdb_px"], digits=2),
          format_value(None if s["effect"] is None else scale * s["effect"], unit=shown, digits=2))
         for s in rows
     ]  # fmt: skip
     return Table(heads, cells, left=3, title=Text("Largest standardised residuals"), note=Text(
         "w: v / (σ √r) with the a priori σ (Baarda). τ: the same with the a posteriori sigma0 (Pope). The worst first; "
         "remove one, adjust again, and look again: one blunder spreads over its neighbours."))  # fmt: skip
+
+
+def _two(value: float | None) -> str:
+    """Return a number without unit with two decimals."""
+    return UNKNOWN if value is None else group_thousands(f"{value:.2f}")

@@ -97,15 +97,18 @@ def reliability(adjustment: Adjustment) -> dict[str, Any] | None:
 
 
 def suspects(adjustment: Adjustment, most: int = SUSPECTS) -> list[dict[str, Any]]:
-    """Return the observations with the largest |w|, the worst first."""
+    """Return the image points with the largest |w| of a coordinate, the worst first, each once."""
     found, block = adjustment.reliability, adjustment.block
     if found is None:
         return []
-    w = np.abs(found.standardised)
-    worst = np.argsort(-np.nan_to_num(w).ravel(), kind="stable")[:most]
+    w = np.round(np.nan_to_num(np.abs(found.standardised)), 6)
+    worst = np.argsort(-w.max(axis=1), kind="stable")[:most]
     rows = []
-    for place in worst:
-        i, axis = divmod(int(place), 2)
+    for i in worst:
+        alike = (
+            w[i] == w[i].max()
+        )  # of two rays only one combination is controlled, so both coordinates are alike
+        axis = int(np.argmax(np.where(alike, found.redundancy[i], -1.0)))
         rows.append({
             "photo": block.names[block.obs_photo[i]],
             "point": point_name(adjustment, int(block.obs_point[i])),

@@ -58,6 +58,8 @@ def report_page(report: dict[str, Any], pipeline: Pipeline) -> Page:
         problems=[_problem(p) for p in report["problems"]],
         tiles=_tiles(report),
         sections=[s for s in sections if s is not None and s.parts],
+        no_problem=Text("No problem was found.") if report["orientation"]
+        else Text("Nothing was adjusted yet: there is nothing to judge."),
     )  # fmt: skip
 
 

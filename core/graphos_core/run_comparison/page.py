@@ -30,8 +30,9 @@ def comparison_page(c: Comparison) -> Page:
 
 
 def comparison_sections(c: Comparison) -> tuple[Section, ...]:
-    """Return the sections: recipe, figures, cameras, photos, object points, check points."""
+    """Return the sections: what it comes to, recipe, figures, cameras, photos, object points, check points."""
     return (
+        Section("meaning", Text("What it comes to"), "", [Paragraph(line) for line in c.statement]),
         Section("recipe", Text("What was done differently"), "", _recipe(c)),
         Section("figures", Text("Figures"), "adjustment/comparing-runs", (_numbers(c),)),
         Section("cameras", Text("Cameras"), "adjustment/significance", _cameras(c)),

@@ -178,6 +178,7 @@ class Comparison:
     points: PointsDifference
     check: CheckDifference
     notes: tuple[str, ...]
+    statement: tuple[str, ...]
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain data, as ``comparison.json`` holds it: the fields of the classes are the keys."""

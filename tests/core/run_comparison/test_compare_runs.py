@@ -22,6 +22,8 @@ from graphos_core.project import Project
 from graphos_core.recipe import Recipe
 from graphos_core.run_comparison.loading import LAST_STEP, ComparedRun
 from graphos_core.run_comparison.recipes import recipe_difference
+from graphos_core.run_comparison.records import CheckDifference
+from graphos_core.run_comparison.statement import _accuracy
 
 
 @pytest.fixture(scope="module")
@@ -150,6 +152,7 @@ def test_the_command_prints_a_table_and_writes_both_files(
     assert "AIC" in printed
     found = json.loads((tmp_path / "c" / "comparison.json").read_text("utf-8"))
     assert {d["parameter"] for d in found["recipe"]} == {"parameters", "robust"}
+    assert found["statement"]
     assert {"numbers", "cameras", "photos", "points", "check", "frame"} <= set(found)
     page = (tmp_path / "c" / "comparison.html").read_text("utf-8")
     assert "Single parameters" in page
@@ -172,3 +175,21 @@ def test_what_is_no_run_is_refused_in_words(
 ) -> None:
     assert main(["compare", "runs", str(tmp_path / name), str(tmp_path)]) == 1
     assert "run" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("factor", "told"),
+    [
+        (1.0, "no more than chance"),
+        (1.2, "no more than chance"),
+        (4.0, "A is nearer to the truth by a factor of 4.0"),
+    ],
+)
+def test_check_points_decide_only_beyond_chance(factor: float, told: str) -> None:
+    rms = (0.001, 0.002, 0.003)
+    check = CheckDifference(6, 6, rms, tuple(factor * v for v in rms))  # type: ignore[arg-type]
+    assert told in _accuracy(check)
+
+
+def test_without_check_points_nobody_is_called_nearer_to_the_truth() -> None:
+    assert "nothing independent" in _accuracy(CheckDifference(0, 6, None, (1.0, 1.0, 1.0)))
