@@ -34,6 +34,8 @@ def console(options: argparse.Namespace, seed: int = 0) -> ConsoleRun:
 def run(options: argparse.Namespace) -> int:
     """``graphos run``: photos or project to model and report."""
     check_writable(options.out)
+    if options.lens is None and (options.calibration or "").startswith("fisheye-"):
+        options.lens = options.calibration
     recipe = _recipe(options)
     progress = console(options, recipe.seed)
     project = make_project(options, recipe.seed, progress)
@@ -110,9 +112,9 @@ def _recipe(options: argparse.Namespace) -> Recipe:
         options.calibration = "fixed"
     if options.calibration is not None:
         recipe = recipe.set(f"adjustment.schur.calibration={options.calibration}")
-        recipe = recipe.set(
-            f"adjustment.incremental.self_calibration={str(options.calibration != 'fixed').lower()}"
-        )
+        free = str(options.calibration != "fixed").lower()
+        for name in ("incremental", "hierarchical", "given"):
+            recipe = recipe.set(f"adjustment.{name}.self_calibration={free}")
     if getattr(options, "orientation", None) is not None:
         recipe = recipe.set("adjustment.orientation=given")
     for assignment in options.assignments:
