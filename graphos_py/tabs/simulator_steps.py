@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QTimer, Signal
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QToolButton, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QToolButton, QVBoxLayout, QWidget
 
 from graphos_didactic.simulator import Step
 from graphos_py.theme import theme
@@ -13,7 +13,7 @@ PAUSE_MS = 1800
 
 
 class SimulatorSteps(QWidget):
-    """A bar with back, play, forward and one button per step.
+    """A bar with back, play, forward and one button per step; below it what happens in the step.
 
     ``shown(step)``: number of the last step to show, None for all.
     """
@@ -26,9 +26,12 @@ class SimulatorSteps(QWidget):
         self._now: int | None = None
         self._timer = QTimer(self, interval=PAUSE_MS)
         self._timer.timeout.connect(self._tick)
-        line = QHBoxLayout(self)
-        line.setContentsMargins(0, 0, 0, 0)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(4)
+        line = QHBoxLayout()
         line.setSpacing(4)
+        column.addLayout(line)
         caption = QLabel(tr("Step by step"))
         caption.setProperty("role", "group")
         line.addWidget(caption)
@@ -48,7 +51,8 @@ class SimulatorSteps(QWidget):
             self._buttons.append(button)
         self._text = QLabel()
         self._text.setWordWrap(True)
-        line.addWidget(self._text, 1)
+        line.addStretch(1)
+        column.addWidget(self._text)
         self._mark()
 
     def _button(self, text: str, tip: str, act: object) -> QToolButton:
@@ -106,3 +110,4 @@ class SimulatorSteps(QWidget):
             button.setChecked(i == self._now)
         self.play.setText("■" if self._timer.isActive() else "▶▶")
         self._text.setText("" if self._now is None else tr(self._steps[self._now].text))
+        self._text.setVisible(self._now is not None)

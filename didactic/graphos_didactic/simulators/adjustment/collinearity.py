@@ -109,7 +109,7 @@ def collinearity(params: CollinearityParams, setting: Setting) -> Scene:
     if last >= 4:
         marks += _curves(photo)
     marks += [*_handles(photo, last), *_sheet(photo, last)]
-    return Scene(panels=_panels(photo), marks=tuple(marks), things=THINGS, says=_says(photo))
+    return Scene(panels=_panels(photo), marks=tuple(marks), things=THINGS, says=_says(photo, last))
 
 
 def _panels(photo: ControlPhoto) -> tuple[Panel, ...]:
@@ -330,8 +330,16 @@ def _interior(photo: ControlPhoto) -> list[AnyMark]:
     ]  # fmt: skip
 
 
-def _says(photo: ControlPhoto) -> str:
+def _says(photo: ControlPhoto, last: int) -> str:
+    if last < 2:
+        x, depth = photo.true_pixels[0, 0], photo.in_camera[0, 2]
+        return f"Point 1 lies {depth:.2f} m before the camera and appears at x = {x:.1f} px.".replace(
+            "-", "−"
+        )
     linear, resection = photo.centre_errors
+    if last == 2 and photo.linear:
+        count = int(photo.used.sum())
+        return f"{count} points leave residuals of {photo.linear.rms_px:.2f} px (RMS)."
     if not photo.linear:
         if np.isfinite(resection):
             return f"No DLT: {photo.linear.reason}; resection with known interior is {1e3 * resection:.0f} mm off."

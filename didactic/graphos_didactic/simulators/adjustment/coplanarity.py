@@ -121,7 +121,7 @@ def coplanarity(params: CoplanarityParams, setting: Setting) -> Scene:
     if last >= 5:
         marks += _curves(pair)
     marks += [*space_handles(pair), *_handles(pair, last), *_sheet(pair, last)]
-    return Scene(panels=_panels(pair), marks=tuple(marks), things=THINGS, says=_says(pair))
+    return Scene(panels=_panels(pair), marks=tuple(marks), things=THINGS, says=_says(pair, last))
 
 
 def _panels(pair: TwoPhotos) -> tuple[Panel, ...]:
@@ -294,12 +294,20 @@ def _singular_values(pair: TwoPhotos, last: int) -> list[AnyMark]:
     return marks
 
 
-def _says(pair: TwoPhotos) -> str:
+def _says(pair: TwoPhotos, last: int) -> str:
     if pair.base < 1e-9:
         return "Without a base any two rays to the same point are coplanar with anything: nothing can be found but the rotation."
+    if last < 2:
+        nearest = pair.nearest()
+        if nearest is None:
+            return "The rays of point 1 are parallel."
+        gap = 1e3 * float(np.linalg.norm(nearest[1] - nearest[0]))
+        return f"The rays of point 1 pass each other at {gap:.1f} mm; base {pair.base:.2f} m."
     eight, five = _now(pair)
     if pair.used.sum() < 8:
         return f"Only {int(pair.used.sum())} points lie in both photos."
     if not pair.linear:
         return f"Eight points fail: {pair.linear.reason}. Five points give the base within {five:.1f}°."
+    if last == 2:
+        return f"Eight points give the direction of the base within {eight:.1f}°."
     return f"The base is {eight:.1f}° off by eight points, {five:.1f}° by five; point 1 is {pair.miss:.1f} px from its line."

@@ -30,7 +30,7 @@ from graphos_didactic.simulators.folded_wall import FoldedWall
 
 WIDTH, HEIGHT, FOCAL = 1200, 900, 1250.0
 """Format and principal distance of both cameras, px."""
-FOLDS = np.array([0.0, 0.1, 0.25, 0.5, 1.0, 1.75, 2.75, 4.0])
+FOLDS = np.array([0.0, 0.2, 0.5, 1.1, 2.2, 4.0])
 """Depths of the object at which the errors are shown, m."""
 
 Relative = tuple[Array, Array]

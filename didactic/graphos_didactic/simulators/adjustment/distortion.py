@@ -97,7 +97,7 @@ def distortion(params: DistortionParams, setting: Setting) -> Scene:
     if last >= 4:
         marks += _profiles(lens)
     marks += [*handle_marks(lens, last), *_sheet(lens, last)]
-    return Scene(panels=_panels(lens, last), marks=tuple(marks), things=THINGS, says=_says(lens))
+    return Scene(panels=_panels(lens, last), marks=tuple(marks), things=THINGS, says=_says(lens, last))
 
 
 def _panels(lens: Lens, last: int) -> tuple[Panel, ...]:
@@ -110,7 +110,7 @@ def _panels(lens: Lens, last: int) -> tuple[Panel, ...]:
         Panel(name="profile", title="Profiles", rect=(0.56, 0.0, 0.44, 0.52), x_range=(0.0, CORNER), y_range=(-tall, tall),
               x_label="distance from the principal point [px]", y_label="displacement [px]", legend="bottom left"),
         Panel(name="effects", title="Largest effect of each term", rect=(0.0, 0.60, 0.27, 0.40),
-              x_range=(0.0, 1.12 * max([*effects.values(), 1.0])), y_range=(-0.8, max(len(effects), 3) - 0.4),
+              x_range=(0.0, 1.12 * max([*effects.values(), 1.0])), y_range=(-0.95, max(len(effects), 3) - 0.5),
               x_label="px", y_down=True),
         Panel(name="projection", title="From angle to photo", rect=(0.27, 0.60, 0.29, 0.40), x_range=(0.0, 100.0),
               y_range=(0.0, TALL_PX), x_label="angle off the axis [°]", y_label="distance in the photo [px]",
@@ -209,13 +209,13 @@ def _effects(lens: Lens) -> list[AnyMark]:
                 thing="effects",
                 role="first",
                 xy=np.array([[0.0, row], [effect, row]]),
-                width=9.0,
+                width=5.0,
             ),
             Words(
                 panel="effects",
                 thing="effects",
                 role="text",
-                at=(0.0, row - 0.47),
+                at=(0.0, row - 0.5),
                 text=f"{symbol}  {effect:.1f} px",
             ),
         ]
@@ -263,7 +263,7 @@ def _sheet(lens: Lens, last: int) -> list[AnyMark]:
     return marks
 
 
-def _says(lens: Lens) -> str:
+def _says(lens: Lens, last: int) -> str:
     inside = lens.gaussian.displacement_px
     steps = np.diff(lens.gaussian.radius_px + inside)
     if np.isfinite(steps).all() and (steps <= 0).any():
@@ -275,6 +275,8 @@ def _says(lens: Lens) -> str:
             f"A ray 90° off the axis lies {side:.0f} px from the principal point; f tan θ has no image of it."
         )
     corner = f"{inside[-1]:.0f}".replace("-", "−")
+    if last < 4:
+        return f"{lens.model.label}: the corner moves by {corner} px towards or away from the middle."
     return (
         f"{lens.model.label}: the corner moves by {corner} px; with f = {lens.balanced.focal_px:.0f} px at most "
         f"{np.nanmax(np.abs(lens.balanced.displacement_px)):.0f} px is left to distortion."

@@ -124,7 +124,7 @@ def trifocal(params: TrifocalParams, setting: Setting) -> Scene:
     if last >= 4:
         marks += _curves(photos)
     marks += [*_handles(photos, last), *_sheet(photos, last)]
-    return Scene(panels=_panels(), marks=tuple(marks), things=THINGS, says=_says(photos))
+    return Scene(panels=_panels(), marks=tuple(marks), things=THINGS, says=_says(photos, last))
 
 
 def _panels() -> tuple[Panel, ...]:
@@ -226,7 +226,7 @@ def _curves(photos: ThreePhotos) -> list[AnyMark]:
     ]  # fmt: skip
     height = photos.height_in_plane
     if abs(height) <= HEIGHTS[-1]:
-        marks.append(Words(panel="heights", thing="plane", role="third", at=(height, 0.9 * TALL), anchor="right",
+        marks.append(Words(panel="heights", thing="plane", role="third", at=(height, 0.66 * TALL), anchor="right",
                            text="trifocal plane", answer=True))  # fmt: skip
     return marks
 
@@ -286,13 +286,17 @@ def _rows(plate: Array) -> tuple[tuple[str, ...], ...]:
     return tuple(tuple(f"{value + 0.0:.3f}".replace("-", "−") for value in row) for row in np.round(plate, 3))
 
 
-def _says(photos: ThreePhotos) -> str:
+def _says(photos: ThreePhotos, last: int) -> str:
     if not np.isfinite(photos.pixels).all():
         return "The point lies behind a camera."
     by_lines, by_tensor = photos.errors
+    if last == 0:
+        return f"Camera A sees P at ({photos.measured[0, 0]:.0f}, {photos.measured[0, 1]:.0f}) px: one line in photo C."
     if not photos.tensor.any():
         return "The tensor is not determined by these points."
     shown = f"{by_lines:.1f} px" if by_lines < 9999 else "beyond all measure"
+    if last == 1:
+        return f"Both lines meet {shown} from where P appears in photo C."
     side = "above" if photos.above_plane >= 0 else "below"
     where = f"P lies {abs(photos.above_plane):.2f} m {side} the trifocal plane"
     if photos.plane is None:
