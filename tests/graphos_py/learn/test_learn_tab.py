@@ -19,6 +19,7 @@ from graphos_core.run import Run
 from graphos_didactic.lab_session import LabSession
 from graphos_didactic.labs import read_lab
 from graphos_didactic.lessons import Lesson, Trial, find_lesson, lessons
+from graphos_didactic.simulator import simulators
 from graphos_py.app import make_application
 from graphos_py.formula import formula_image
 from graphos_py.jobs import Jobs
@@ -183,6 +184,8 @@ def test_a_lab_of_an_instructor_opens_and_a_broken_one_says_the_line(tab: LearnT
 
 
 def test_every_lesson_is_drawn_with_all_its_formulas(session: Session, qtbot: QtBot) -> None:
+    for simulator in simulators():  # compiles what the window finds compiled, see `graphos_py.warm_up`
+        simulator.scene(simulator.params())
     view = LessonView(session.jobs)
     qtbot.addWidget(view)
     for lesson in lessons().values():
