@@ -13,9 +13,10 @@ from graphos_core.cameras.model import (
     derivatives,
     pixel_from_ray,
     ray_from_pixel,
+    values_of,
 )
 
 __all__ = [
     "CameraModel", "Conversion", "Parameter", "after_correction", "as_measured", "as_model", "camera_model", "camera_models", "convert",
-    "derivatives", "pixel_from_ray", "pre_corrected", "ray_from_pixel",
+    "derivatives", "pixel_from_ray", "pre_corrected", "ray_from_pixel", "values_of",
 ]  # fmt: skip

@@ -37,6 +37,7 @@ from graphos_core.data.cameras import Camera
 from graphos_core.data.record import Array
 from graphos_core.errors import UserError
 from graphos_core.params import unknown_name
+from graphos_core.text import Text
 
 MODULES = (
     "pinhole", "basic", "radial", "brown", "complete", "brown_backward", "ebner", "polynomial",
@@ -237,7 +238,7 @@ def last_pixel_from_ray(camera: Camera, points: Array) -> Array:
     from graphos_core.cameras.kernels import project_many
 
     points = np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 3)
-    return project_many(camera_model(camera.model).code, _values(camera), points)
+    return project_many(camera_model(camera.model).code, values_of(camera), points)
 
 
 def last_ray_from_pixel(camera: Camera, pixels: Array) -> Array:
@@ -246,7 +247,7 @@ def last_ray_from_pixel(camera: Camera, pixels: Array) -> Array:
     from graphos_core.cameras.projections import ideal_direction
 
     pixels = np.ascontiguousarray(pixels, dtype=np.float64).reshape(-1, 2)
-    model, values = camera_model(camera.model), _values(camera)
+    model, values = camera_model(camera.model), values_of(camera)
     if not model.wide:
         return unproject_many(model.code, values, pixels)
     start = ideal_direction(model.projection, (pixels - values[1:3]) / values[0])
@@ -272,8 +273,26 @@ def derivatives(camera: Camera, points: Array) -> tuple[Array, Array, Array]:
     from graphos_core.cameras.kernels import differentiate_many
 
     points = np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 3)
-    return differentiate_many(camera_model(camera.model).code, _values(camera), points)
+    return differentiate_many(camera_model(camera.model).code, values_of(camera), points)
 
 
-def _values(camera: Camera) -> Array:
-    return np.ascontiguousarray(camera.values, dtype=np.float64)
+def values_of(camera: Camera) -> Array:
+    """Return the values of a camera as compiled code needs them: contiguous, as many as its model has.
+
+    Compiled code reads and writes by position without looking, and a stored camera may come from a stranger.
+
+    Raises
+    ------
+    UserError
+        When the camera has more or fewer values than its model has parameters, or the model is not known.
+    """
+    model = camera_model(camera.model)
+    values = np.ascontiguousarray(camera.values, dtype=np.float64)
+    if values.shape != (len(model.parameters),):
+        raise UserError(
+            Text("The camera {camera} is damaged.", camera=camera.label or model.label),
+            Text("The model {model} has {count} parameters, the camera {found} values.",
+                 model=model.label, count=len(model.parameters), found=values.size),
+            "Calibrate the camera again, or give its parameters again.",
+        )  # fmt: skip
+    return values

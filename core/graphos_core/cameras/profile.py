@@ -1,6 +1,6 @@
 r"""Distortion as people look at it: radial profile, Gaussian and balanced, decentring profile, grid, uncertainty.
 
-Everything is taken from the camera model itself, so every model has a profile. A displacement is measured minus ideal
+Everything is taken from the camera's own model, so every model has a profile; `Camera.before` is not in it. A displacement is measured minus ideal
 position, px, of the same ray; the ideal position is that of the model with its distortion set to 0, so for central
 perspective the ideal radius is r = f tan θ. Standard deviations are propagated from the covariance of the camera's
 parameters with the analytic derivatives, at fixed direction of the ray.

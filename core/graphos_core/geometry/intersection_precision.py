@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphos_core.cameras import camera_model
+from graphos_core.cameras import camera_model, values_of
 from graphos_core.data import Camera
 from graphos_core.data.record import Array
 
@@ -61,7 +61,7 @@ def image_derivatives(camera: Camera, rotation: Array, centre: Array, point: Arr
     from graphos_core.cameras.kernels import project
 
     x, y, z = np.asarray(rotation) @ (np.asarray(point, dtype=np.float64) - centre)
-    values = np.ascontiguousarray(camera.values, dtype=np.float64)
+    values = values_of(camera)
     pixel, d_point, d_values = np.empty(2), np.empty((2, 3)), np.empty((2, len(values)))
     code = camera_model(camera.model).code
     if not project(code, values, float(x), float(y), float(z), pixel, d_point, d_values):

@@ -174,6 +174,17 @@ def test_formulas_and_symbols_can_be_drawn():
             assert parser.parse(f"${text}$").width > 0
 
 
+@pytest.mark.parametrize("name", ["pinhole", "brown", "polynomial7", "fisheye_equisolid"])
+def test_a_camera_with_too_few_values_is_refused_before_compiled_code_sees_it(name, typical):
+    short = Camera(model=name, width=1600, height=1200, values=typical(name).values[:-1])
+    for use in (
+        lambda: pixel_from_ray(short, np.ones((1, 3))),
+        lambda: ray_from_pixel(short, np.ones((1, 2))),
+    ):
+        with pytest.raises(UserError, match="damaged"):
+            use()
+
+
 def test_an_unknown_model_is_refused_with_the_known_ones():
     with pytest.raises(UserError, match="pinhole"):
         camera_model("pinhol")
