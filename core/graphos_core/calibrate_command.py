@@ -42,6 +42,8 @@ def calibrate(options: argparse.Namespace) -> int:
     """``graphos calibrate``: photos of a test field to a calibrated camera."""
     from graphos_core.commands import console
 
+    if options.calibration is not None:
+        options.calibration = options.calibration.replace("-", "_")  # as graphos run spells them
     params = CalibrateParams.from_dict(sheet_of(options, CalibrateParams))
     check_writable(options.out)
     progress = console(options, options.seed or 0)

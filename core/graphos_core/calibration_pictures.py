@@ -12,6 +12,7 @@ from graphos_core.adjustment.calibration.board import BoardShape
 from graphos_core.adjustment.calibration.calibrate import Calibration
 from graphos_core.adjustment.calibration.findings import coverage
 from graphos_core.cameras import pixel_from_ray, ray_from_pixel
+from graphos_core.cameras.chain import without_distortion
 from graphos_core.data import Adjustment, Array, Block, Camera
 
 ACCENT = "#0b6bcb"
@@ -141,11 +142,7 @@ def profile_figure(camera: Camera) -> tuple[Any, str]:
 
 def _displacement(camera: Camera, measured: Array) -> tuple[Array, Array]:
     """Return the outward displacement by distortion and the distance from the principal point, px."""
-    from dataclasses import replace
-
-    plain_values = np.array(camera.values)
-    plain_values[3:] = 0.0
-    plain = replace(camera, values=plain_values)
+    plain = without_distortion(camera)
     ideal = pixel_from_ray(plain, ray_from_pixel(camera, measured))
     offset = measured - camera.values[1:3]
     radius = np.hypot(*offset.T)

@@ -157,12 +157,15 @@ def _check_ratio(pipeline: Pipeline, truth: Truth | None) -> Figure | None:
 def control_roles(pipeline: Pipeline) -> tuple[list[str], list[str], float] | None:
     """Return the names of control and of check points, and how much of the extent of all the control points span.
 
-    The share is that of the diagonals of the two boxes, 0 to 1; None where the project has no control points.
+    The share is that of the diagonals of the two boxes, 0 to 1; None where the project has no control points. Points
+    that are not measured in two photos count for nothing.
     """
-    control, _ = pipeline.project.control()
+    control, measured = pipeline.project.control()
     if control is None:
         return None
-    known = np.isfinite(control.xyz).all(axis=1)
+    known: Array = np.array(np.isfinite(control.xyz).all(axis=1), dtype=bool)
+    if measured is not None:
+        known &= np.bincount(measured.point, minlength=len(known)) >= 2
     used: Array = np.array(known if control.off is None else known & ~np.asarray(control.off), dtype=bool)
     check: Array = np.asarray(control.check)
     held, checked = used & ~check, used & check

@@ -56,6 +56,8 @@ class OwnPhotos(QWidget):
         declared = TargetParams.declarations()
         for name, label in declared["target"].about.choices.items():
             self.kind.addItem(tr(label), name)
+        self.kind.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
+        self.kind.setMinimumWidth(self.kind.sizeHint().width())
         self.kind.setCurrentIndex(self.kind.findData(target.target))
         self.columns, self.rows = QSpinBox(), QSpinBox()
         for box, name in ((self.columns, "columns"), (self.rows, "rows")):
@@ -103,7 +105,8 @@ class OwnPhotos(QWidget):
             self.folder.setText(chosen)
 
     def _folder_changed(self) -> None:
-        self.board.setEnabled(bool(self.folder.text().strip()))
+        for widget in (self.board, self.square):
+            widget.setEnabled(bool(self.folder.text().strip()))
         self.changed.emit()
 
     def own(self) -> dict[str, Any]:

@@ -184,6 +184,12 @@ def _start(
         found[i].photo: Text("its orientation was not found") for i, pose in poses.items() if pose is None
     }
     kept = [i for i in used if poses[i] is not None]
+    if not kept:
+        raise UserError(
+            "The photos could not be oriented.",
+            Text("The camera model {model} does not fit them even roughly.", model=params.calibration),
+            "Take another camera model, or give the principal distance with --focal-px.", learn="adjustment/calibrate",
+        )  # fmt: skip
     n = len(photos.photos)
     rotations, centres, oriented = np.tile(np.eye(3), (n, 1, 1)), np.zeros((n, 3)), np.zeros(n, dtype=bool)
     for i in kept:

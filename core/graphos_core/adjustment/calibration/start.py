@@ -29,10 +29,10 @@ class Pose:
 
 def start_camera(camera: Camera, model: str) -> Camera:
     """Return a camera of another model with the same principal distance and point and without distortion."""
-    names = camera_model(model).names
     if camera.model == model:
         return camera
-    values = np.zeros(len(names))
+    half = 0.5 * max(camera.width, camera.height)
+    values = np.array([half if p.default == "constant" else 0.0 for p in camera_model(model).parameters])
     values[:3] = camera.values[:3]
     return replace(camera, model=model, values=values, sigmas=None)
 
