@@ -132,7 +132,10 @@ class ControlPage(QWidget):
         if block is None:
             self._show_standing(standing(sheet, name, names, None, None))
             return
-        self._show_now(name)
+        if self._standing_of != name:  # what the block says of another point comes in a moment
+            self._show_point(standing(sheet, name, names, None, None))
+        else:
+            self._show_now(name)
         serial, georeference = self._serial, self.result.georeference
 
         def work() -> Standing | None:
@@ -169,16 +172,12 @@ class ControlPage(QWidget):
             self.photos.select_rows([names.index(self.measuring.photo)])
 
     def _show_now(self, name: str) -> None:
-        """Show what is known without computing: the marks of the present photo, and the point as it was last seen."""
-        mark = self.desk.sheet.marks.get((name, self.measuring.photo))
-        known = self._sights if self._standing_of == name else []
-        last = next((s for s in known if s.photo == self.measuring.photo), None)
+        """Show the mark of the chosen point where it is now; its residual follows."""
+        last = next((s for s in self._sights if s.photo == self.measuring.photo), None)
         if last is not None:
-            state = "measured" if mark is not None else last.state
-            self.measuring.show_sight(replace(last, mark=mark, state=state))
-        else:
-            state = "measured" if mark is not None else "nothing known"
-            self.measuring.show_sight(Sight(self.measuring.photo, state, mark, None, None) if name else None)
+            mark = self.desk.sheet.marks.get((name, self.measuring.photo))
+            last = replace(last, mark=mark, state="measured" if mark is not None else last.state)
+        self.measuring.show_sight(last)
 
     def _standing_found(self, serial: int, found: object) -> None:
         if isinstance(found, Standing) and serial == self._serial:
@@ -188,12 +187,17 @@ class ControlPage(QWidget):
 
     def _show_standing(self, found: Standing) -> None:
         """Show the chosen point in all photos and in the present one, and the residuals of all points."""
-        names = [photo.name for photo in self._photos()]
         residuals: Mapping[str, Array] = {}
         if self.result is not None:
             residuals = object_residuals(self.result.adjustment, self.result.georeference)
         self.table.model.set_residuals(residuals, found.image_rms)
         self.distances.show_block(self.block, found.distances)
+        self._show_point(found)
+        self.point_text.setText(point_sentence(found.name, found.meeting, self.block))
+
+    def _show_point(self, found: Standing) -> None:
+        """Show the chosen point in the list of photos and in the present photo."""
+        names = [photo.name for photo in self._photos()]
         self._sights, self._standing_of = found.sights, found.name
         with QSignalBlocker(self.photos):
             self.photos.set_table(sight_columns(found.sights))
@@ -201,7 +205,6 @@ class ControlPage(QWidget):
                 self.photos.select_rows([names.index(self.measuring.photo)])
         here = next((s for s in found.sights if s.photo == self.measuring.photo), None)
         self.measuring.show_sight(here)
-        self.point_text.setText(point_sentence(found.name, found.meeting, self.block))
 
     def _photo_row(self, row: int) -> None:
         if 0 <= row < len(self._sights) and self._sights[row].photo != self.measuring.photo:

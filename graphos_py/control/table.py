@@ -14,6 +14,7 @@ from PySide6.QtWidgets import (
     QHBoxLayout,
     QHeaderView,
     QLabel,
+    QSizePolicy,
     QStyledItemDelegate,
     QStyleOptionViewItem,
     QTableView,
@@ -95,8 +96,9 @@ class ControlTable(QWidget):
             bar.addWidget(button)
         self.state = QLabel()
         self.state.setProperty("role", "caption")
-        bar.addStretch(1)
-        bar.addWidget(self.state)
+        self.state.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        self.state.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        bar.addWidget(self.state, 1)
         return bar
 
     def _action(self, symbol: str, tip: str, then: object) -> QAction:
@@ -205,6 +207,7 @@ class ControlTable(QWidget):
         parts += [tr("{n} without coordinates", n=tie)] if tie else []
         parts += [tr("{n} measurements", n=len(sheet.marks))]
         self.state.setText(" · ".join([*parts, sheet.crs] if sheet.crs else parts) if sheet.points else "")
+        self.state.setToolTip(self.state.text())
         self.remove_action.setEnabled(bool(sheet.points))
         if self.desk.problem is not None:
             self.say(tr(str(self.desk.problem)))
