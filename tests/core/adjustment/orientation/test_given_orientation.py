@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +12,9 @@ from graphos_core.adjustment.orientation.given import GivenParams, orient_from_g
 from graphos_core.data import Block, Camera
 from graphos_core.errors import UserError
 from graphos_core.geometry.rotation import matrix_from_vector
+from graphos_core.pipeline import Pipeline
+from graphos_core.project import Project
+from graphos_core.recipe import Recipe
 from graphos_core.run import Run
 from graphos_core.simulation.model import NoiseParams, TheoreticalModel, theoretical_model
 from graphos_core.simulation.objects import ObjectParams, terrain
@@ -90,3 +94,20 @@ def test_what_cannot_start_is_said() -> None:
         with pytest.raises(UserError, match=said) as refused:
             orient_from_given(photos, tracks, pairs, FIXED, run=Run(threads=1), given=block)
         assert refused.value.why and refused.value.todo
+
+
+def test_a_project_keeps_a_given_orientation_and_its_pipeline_hands_it_over(
+    small_simulation: Path, tmp_path: Path
+) -> None:
+    project = Project.create(tmp_path / "model", small_simulation / "photos")
+    start = given(exact_model(), 12)
+    assert project.given_orientation() is None
+    kept = project.with_orientation(start, "another program")
+    back = Project.open(tmp_path / "model").given_orientation()
+    assert back is not None and np.array_equal(back.centres, start.centres) and back.names == start.names
+    recipe = Recipe.default()
+    chosen = recipe.set("adjustment.orientation=given")
+    keys = {Pipeline(p, r).key("orientation") for p in (project, kept) for r in (recipe, chosen)}
+    assert len(keys) == 3  # the incremental one does not care what is kept, the other one does
+    other = kept.with_orientation(replace(start, centres=start.centres + 1.0), "another run")
+    assert other.settings.orientation != kept.settings.orientation
