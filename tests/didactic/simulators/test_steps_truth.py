@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from graphos_core.adjustment.bundle.adjust import adjust_block
+from graphos_core.adjustment.bundle.adjust import METHODS, Method, adjust_block
 from graphos_core.adjustment.bundle.problem import Freedom
 from graphos_core.cameras import pixel_from_ray
 from graphos_core.geometry.rotation import matrix_from_vector
@@ -83,3 +83,17 @@ def test_upside_down_it_does_not_arrive() -> None:
     run = Iteration(StepsParams(turn=180.0, start_x=0.0, start_y=0.0, iteration=25))
     assert not run.solution.converged
     assert run.cost > 1e4
+
+
+@pytest.mark.parametrize("method", ["levenberg-marquardt", "gauss-newton", "powell"])
+def test_every_scene_has_the_cost_of_its_iteration(method: Method) -> None:
+    for turn in (20.0, 90.0):
+        run = Iteration(StepsParams(method=method, turn=turn))
+        for k, record in enumerate(run.solution.iterations):
+            shown = Iteration(run.params.replace(iteration=k))
+            assert shown.cost == pytest.approx(record.cost, rel=1e-9), (turn, k)
+
+
+def test_all_methods_end_in_the_same_minimum_from_a_good_start() -> None:
+    ends = [Iteration(StepsParams(method=m, iteration=25, turn=5.0)).cost for m in METHODS]  # type: ignore[arg-type]
+    assert ends == pytest.approx([ends[0]] * 3, rel=1e-6)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from graphos_core.adjustment.bundle.levenberg_marquardt import minimise
+from graphos_core.adjustment.bundle.gauss_newton import minimise as gauss_newton
+from graphos_core.adjustment.bundle.levenberg_marquardt import minimise as levenberg_marquardt
+from graphos_core.adjustment.bundle.powell import minimise as powell
 from graphos_core.adjustment.bundle.problem import make_problem
 from graphos_core.adjustment.bundle.reduced_system import ReducedSystem
 from graphos_core.cameras import pixel_from_ray
@@ -14,6 +16,8 @@ from graphos_didactic.scene import AnyMark, Formula, Number, Panel, Scene, Sente
 from graphos_didactic.simulator import Preset, Setting, Step, simulator
 from graphos_didactic.simulators.adjustment.four_photos import HEIGHT, WIDTH
 from graphos_didactic.simulators.adjustment.steps_drawing import (
+    NAMES,
+    STEERS,
     handle_marks,
     jacobian_marks,
     normal_marks,
@@ -38,9 +42,10 @@ THINGS = {
     "normal": "normal matrix N = AᵀPA",
     "schur": "Schur complement S: the normal matrix without the points",
     "step": "the step with your damping λ",
-    "trace": "the iteration of the engine",
+    "trace": "the iteration of the engine by the chosen method",
+    "others": "the other methods, from the same start",
     "refused": "refused steps: the cost would have grown",
-    "damping": "damping λ of the engine",
+    "damping": "what the method steers with",
 }
 STEPS = (
     Step("Residuals", "From wrong start values the points are projected beside where they were measured."),
@@ -59,6 +64,8 @@ PRESETS = (
            {"start_x": 5.0, "start_y": 4.0, "turn": 20.0, "rough": 1.0}),
     Preset("turned", "Turned by 90°", "Full steps fail, damping grows, the iteration feels its way round.",
            {"turn": 90.0, "iteration": 1}),
+    Preset("dogleg", "Dogleg", "Powell's dogleg from the same start: its radius shrinks where damping would grow.",
+           {"turn": 90.0, "method": "powell", "iteration": 3}),
     Preset("upside", "Upside down", "Turned by 180°: it creeps in a wrong valley and never arrives.",
            {"turn": 180.0, "start_x": 0.0, "start_y": 0.0, "iteration": 25}, "degenerate"),
     Preset("photo", "With a photo", "Play the iteration and watch the picture move into place.",
@@ -72,9 +79,9 @@ PRESETS = (
     title="Adjustment step by step",
     summary="What happens inside a bundle adjustment, from residuals to the last iteration.",
     first="Drag photo 1 away from its place, then drag the iteration and watch it come back.",
-    source="Triggs et al. 2000, sections 4 and 6; Nielsen 1999",
+    source="Triggs et al. 2000, sections 4 and 6; Nielsen 1999; Powell 1970; Börlin and Grussenmeyer 2013",
     engine=(
-        minimise, ReducedSystem, make_problem, image_derivatives, pixel_from_ray, matrix_from_vector,
+        levenberg_marquardt, gauss_newton, powell, ReducedSystem, make_problem, image_derivatives, pixel_from_ray, matrix_from_vector,
     ),
     presets=PRESETS,
     steps=STEPS,
@@ -117,7 +124,7 @@ def _trace_range(run: Iteration) -> tuple[float, float]:
 
 def _panels(run: Iteration) -> tuple[Panel, ...]:
     rows, columns = run.jacobian.shape
-    u, count = run.problem.unknowns, len(run.solution.iterations)
+    u, count = run.problem.unknowns, run.longest
     return (
         Panel(name="photo", title="Photo 1", rect=(0.0, 0.0, 0.28, 0.42), kind="picture", x_range=(-0.5, WIDTH - 0.5),
               y_range=(-0.5, HEIGHT - 0.5), equal=True, y_down=True),
@@ -131,7 +138,7 @@ def _panels(run: Iteration) -> tuple[Panel, ...]:
               x_range=(-0.5, u - 0.5), y_range=(-0.5, u - 0.5), equal=True, y_down=True),
         Panel(name="trace", title="The engine's iteration", rect=(0.28, 0.52, 0.26, 0.48),
               x_range=(-0.6, max(count, 8) - 0.2), y_range=_trace_range(run), x_label="iteration", y_label="log₁₀",
-              legend="top right"),
+              legend="above"),
         Panel(name="step", title="A step from here", rect=(0.54, 0.52, 0.22, 0.48), x_range=(LOWEST - 0.4, HIGHEST + 0.4),
               y_range=_step_range(run), x_label="log₁₀ of the damping λ", y_label="log₁₀ cost", legend="top left"),
         Panel(name="numbers", title="Numbers", rect=(0.76, 0.0, 0.24, 1.0), kind="sheet"),
@@ -152,8 +159,8 @@ def _sheet(run: Iteration) -> list[AnyMark]:
         Number(thing="residuals", label="RMS residual", value=_rms(run), unit="px", role="error"),
         Number(thing="truth", label="Photo 1 from its place", value=run.error(run.scene), unit="m", digits=3,
                role="truth", truth=True),
-        Number(thing="damping", label="log₁₀ λ of the engine", value=float(np.log10(record.damping)), unit="",
-               digits=1, answer=True),
+        Number(thing="damping", label=f"log₁₀ {STEERS[run.params.method]}", unit="", digits=1, answer=True,
+               value=float(np.log10(record.damping))),
     ]  # fmt: skip
     if run.number and not record.accepted:
         marks.append(Sentence(thing="refused", role="error", text="This step was refused.", answer=True))
@@ -181,4 +188,6 @@ def _rms(run: Iteration) -> float:
 def _says(run: Iteration) -> str:
     solution = run.solution
     end = f"after {len(solution.iterations) - 1} iterations: {solution.reason}"
-    return f"Iteration {run.number}: RMS residual {_rms(run):.2f} px. The engine ends {end}."
+    return (
+        f"Iteration {run.number}: RMS residual {_rms(run):.2f} px. {NAMES[run.params.method][0]} ends {end}."
+    )

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
+from graphos_core.adjustment.bundle.adjust import Method
 from graphos_core.adjustment.bundle.kernels import Scene
 from graphos_core.data.record import Array
-from graphos_didactic.scene import AnyMark, Handle, Line, Picture, Points, Role, Words
+from graphos_didactic.scene import AnyMark, Dash, Handle, Line, Picture, Points, Words
 from graphos_didactic.simulator import Setting
 from graphos_didactic.simulators.adjustment.four_photos import CAMERA, CENTRES, HEIGHT, POINTS_XYZ, WIDTH
 from graphos_didactic.simulators.adjustment.steps_model import POWERS, Iteration
@@ -174,23 +177,39 @@ def step_marks(run: Iteration) -> list[AnyMark]:
     return marks
 
 
+NAMES: Mapping[Method, tuple[str, Dash]] = {
+    "levenberg-marquardt": ("Levenberg–Marquardt", "solid"),
+    "gauss-newton": ("Gauss–Newton", "dash"),
+    "powell": ("Powell's dogleg", "dot"),
+}
+"""Label and dash of every method."""
+STEERS: Mapping[Method, str] = {
+    "levenberg-marquardt": "damping λ", "gauss-newton": "share of the step", "powell": "radius of trust",
+}  # fmt: skip
+"""What each method steers with."""
+
+
 def trace_marks(run: Iteration) -> list[AnyMark]:
-    """Draw cost and damping of every iteration; refused steps are crosses."""
+    """Draw the cost of every iteration by every method, and what the chosen one steers with; refused steps are crosses."""
+    chosen, marks = run.params.method, []
+    for method, (label, dash) in NAMES.items():
+        mine = method == chosen
+        records = run.solutions[method].iterations
+        cost = np.array([[r.iteration, np.log10(max(r.cost, 1e-12))] for r in records])
+        marks.append(
+            Line(panel="trace", thing="trace" if mine else "others", role="estimate" if mine else "muted", xy=cost,
+                 width=2.4 if mine else 1.2, dash=dash, label=label, answer=True)
+        )  # fmt: skip
     records = run.solution.iterations
-    number = np.array([r.iteration for r in records], dtype=float)
-    cost = np.log10(np.maximum([r.cost for r in records], 1e-12))
-    damping = np.log10(np.maximum([r.damping for r in records], 1e-15))
+    cost = np.array([[r.iteration, np.log10(max(r.cost, 1e-12))] for r in records])
+    steering = np.array([[r.iteration, np.log10(max(r.damping, 1e-15))] for r in records])
     accepted = np.array([r.accepted for r in records])
-    role: Role = "estimate"
     return [
-        Line(panel="trace", thing="trace", role=role, xy=np.stack([number, cost], axis=1), width=2.0, label="cost",
-             answer=True),
-        Points(panel="trace", thing="trace", role=role, xy=np.stack([number, cost], axis=1)[accepted], size=6.5,
-               answer=True),
-        Points(panel="trace", thing="refused", role="error", xy=np.stack([number, cost], axis=1)[~accepted], size=11,
-               marker="cross", answer=True),
-        Line(panel="trace", thing="damping", role="neutral", dash="dash", xy=np.stack([number, damping], axis=1),
-             width=1.4, label="damping λ", answer=True),
+        *marks,
+        Points(panel="trace", thing="trace", role="estimate", xy=cost[accepted], size=6.5, answer=True),
+        Points(panel="trace", thing="refused", role="error", xy=cost[~accepted], size=11, marker="cross", answer=True),
+        Line(panel="trace", thing="damping", role="neutral", dash="dashdot", xy=steering, width=1.4,
+             label=STEERS[chosen], answer=True),
     ]  # fmt: skip
 
 

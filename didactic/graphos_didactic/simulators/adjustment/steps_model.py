@@ -7,8 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
+from graphos_core.adjustment.bundle.adjust import METHODS, Method
 from graphos_core.adjustment.bundle.kernels import Rules, Scene
-from graphos_core.adjustment.bundle.levenberg_marquardt import Solution, minimise
+from graphos_core.adjustment.bundle.levenberg_marquardt import Solution
 from graphos_core.adjustment.bundle.problem import Freedom, Problem, make_problem
 from graphos_core.adjustment.bundle.reduced_system import Equations, Moved, ReducedSystem
 from graphos_core.adjustment.bundle.robust import ROBUST
@@ -51,8 +52,9 @@ class Recorded(ReducedSystem):
         down: Array | None = None,
     ) -> Moved:
         """Move, and remember where to."""
-        self.tried.append(super().move(scene, equations, damping, step, shares, down))
-        return self.tried[-1]  # type: ignore[return-value]
+        moved = super().move(scene, equations, damping, step, shares, down)
+        self.tried.append(moved)
+        return moved
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,24 +83,44 @@ class Iteration:
         fixed = np.isin(np.arange(len(POINTS_XYZ)), KNOWN)
         return make_problem(self.start, Freedom(fixed_points=fixed))
 
-    @cached_property
-    def _run(self) -> tuple[Solution, Recorded]:
+    def run(self, method: Method) -> tuple[Solution, Recorded]:
+        """Return trace and end of the engine's iteration by one of its methods, and what it tried."""
         system = Recorded(self.problem)
         with system.working():
-            return minimise(system, MOST, 1e-8, run=Run()), system
+            return METHODS[method](system, MOST, 1e-8, run=Run()), system
+
+    @cached_property
+    def _chosen(self) -> tuple[Solution, Recorded]:
+        return self.run(self.params.method)
+
+    @cached_property
+    def solutions(self) -> dict[Method, Solution]:
+        """Trace and end of every method from the same start."""
+        methods: tuple[Method, ...] = ("levenberg-marquardt", "gauss-newton", "powell")
+        return {m: self.solution if m == self.params.method else self.run(m)[0] for m in methods}
+
+    @property
+    def longest(self) -> int:
+        """Iterations of the slowest method, the start included."""
+        return max(len(solution.iterations) for solution in self.solutions.values())
 
     @property
     def solution(self) -> Solution:
-        """Trace and end of the engine's iteration."""
-        return self._run[0]
+        """Trace and end of the iteration by the chosen method."""
+        return self._chosen[0]
 
     @cached_property
     def scenes(self) -> tuple[Scene, ...]:
         """The scene after each iteration; a refused step changes nothing."""
-        solution, system = self._run
-        scenes = [self.problem.scene]
-        for record, moved in zip(solution.iterations[1:], system.tried, strict=False):
-            scenes.append(moved.scene if record.accepted and moved is not None else scenes[-1])
+        solution, system = self._chosen
+        scenes, tried = [self.problem.scene], iter(system.tried)
+        for record in solution.iterations[1:]:
+            found = None
+            if (
+                record.accepted
+            ):  # a line search or a bent step tries several places, the accepted one has this cost
+                found = next((m for m in tried if m is not None and m.cost == record.cost), None)
+            scenes.append(scenes[-1] if found is None else found.scene)
         return tuple(scenes)
 
     @property

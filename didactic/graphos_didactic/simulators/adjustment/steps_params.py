@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from graphos_core.params import About, Params
 
@@ -16,6 +16,22 @@ LESSON = "adjustment/solver"
 class StepsParams(Params):
     """Four photos of nine points, three of them known; everything else starts from wrong values."""
 
+    method: Annotated[
+        Literal["levenberg-marquardt", "gauss-newton", "powell"],
+        About(
+            label="Method",
+            group="Method",
+            level="novice",
+            choices={
+                "levenberg-marquardt": "Levenberg–Marquardt",
+                "gauss-newton": "Gauss–Newton",
+                "powell": "Powell's dogleg",
+            },
+            help="How the engine keeps a step from going too far.",
+            effect="Damping bends and shortens the step, step control only shortens it, the dogleg walks within a radius.",
+            learn=LESSON,
+        ),
+    ] = "levenberg-marquardt"
     iteration: Annotated[
         int,
         About(
