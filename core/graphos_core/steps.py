@@ -163,13 +163,15 @@ def _georeference(pipeline: Pipeline, folder: Path, run: Run) -> Any:
 
 
 def _adjustment(pipeline: Pipeline, folder: Path, run: Run) -> Any:
+    from graphos_core.adjustment.bundle.tie_weights import with_scale_sigma
     from graphos_core.adjustment.georeferencing.similarity import placed_again
     from graphos_core.results import AdjustmentResult
 
     algorithm, params = pipeline.recipe.algorithm("adjustment", "bundle")
     known = pipeline.project.known()
     placed = pipeline.value("georeference")
-    adjusted = algorithm.function(placed.block, known, params, run=run)
+    block = with_scale_sigma(placed.block, pipeline.value("matches").tracks, pipeline.value("keypoints"))
+    adjusted = algorithm.function(block, known, params, run=run)
     return AdjustmentResult(
         adjustment=adjusted, georeference=placed_again(adjusted, placed.georeference, known)
     )

@@ -62,7 +62,8 @@ class Rounds:
             control_m=params.control_sigma_m, measured_px=params.measured_sigma_px,
             use_control=params.control == "weighted",
         )  # fmt: skip
-        self.block = join_measured(block, known, self.defaults)
+        ties = block if params.scale_weights else replace(block, obs_sigma_px=None)
+        self.block = join_measured(ties, known, self.defaults)
         self.cameras = self.block.cameras
         self.rejected = 0
         self.trace: tuple[IterationRecord, ...] = ()

@@ -103,6 +103,12 @@ class BundleParams(Params):
         effect="Lower: tie points count more against control points and other observations.",
         learn="adjustment/variance-components", level="expert", group="Control and weights",
     )] = None  # fmt: skip
+    scale_weights: Annotated[bool, About(
+        label="Weigh by keypoint scale",
+        help="Whether coarse keypoints count less than fine ones, as their residuals say they should.",
+        effect="On: the standard deviation of a tie point grows slowly with the scale at which it was detected.",
+        learn="adjustment/variance-components", level="expert", group="Control and weights",
+    )] = True  # fmt: skip
     variance_components: Annotated[bool, About(
         label="Estimate variance components",
         help="Whether the a priori standard deviation of each group of observations is estimated from its residuals.",
