@@ -11,7 +11,7 @@ import numpy as np
 
 from graphos_core.adjustment.bundle.kernels import Layout, Scene
 from graphos_core.adjustment.bundle.known.group import Columns, Group
-from graphos_core.cameras import camera_model, pre_corrected
+from graphos_core.cameras import camera_model, pre_corrected, values_of
 from graphos_core.data import Array, Block
 from graphos_core.errors import UserError
 
@@ -203,7 +203,7 @@ def make_problem(block: Block, freedom: Freedom, groups: Sequence[Group] = ()) -
     present, columns, extra, unknowns = _bind(whole, points, order, layout, used, groups, unknowns)
     values = np.zeros((len(block.cameras), layout.free_index.shape[1]))
     for c, camera in enumerate(block.cameras):
-        values[c, : len(camera.values)] = camera.values
+        values[c, : len(camera.values)] = values_of(camera)
     scene = Scene(
         values,
         np.array(block.rotations, dtype=np.float64),

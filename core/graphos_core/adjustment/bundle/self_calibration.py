@@ -9,9 +9,10 @@ from typing import Protocol
 import numpy as np
 
 from graphos_core.adjustment.bundle.known.photos import CameraValues
-from graphos_core.cameras import camera_model, pixel_from_ray, ray_from_pixel
+from graphos_core.cameras import camera_model
 from graphos_core.cameras.conversion import as_model
-from graphos_core.data import Array, Block, Camera
+from graphos_core.cameras.profile import largest_effects
+from graphos_core.data import Block, Camera
 from graphos_core.errors import UserError
 from graphos_core.params import unknown_name
 from graphos_core.run import Run
@@ -218,36 +219,17 @@ def largest_roll(block: Block, camera: int) -> float:
 
 
 def corner_effect_px(camera: Camera) -> dict[str, float]:
-    """Return, for each parameter, how far one standard deviation moves an image point at the edge of the photo, px.
+    """Return, for each parameter, how far one standard deviation moves an image point at most over the format, px.
 
-    The largest of the four corners and the four middles of the sides that have an image; only the first-order effect
-    of the parameter itself, whatever the other unknowns do about it.
+    Only the first-order effect of the parameter itself, whatever the other unknowns do about it; infinite where the
+    standard deviation is.
     """
     if camera.sigmas is None:
         return {}
-    x, y = camera.width - 1.0, camera.height - 1.0
-    edge = np.array([[0, 0], [x, 0], [0, y], [x, y], [x / 2, 0], [x / 2, y], [0, y / 2], [x, y / 2]])
-    rays = ray_from_pixel(camera, edge)
-    rays = rays[np.isfinite(rays).all(axis=1)]
-    return {
-        parameter.name: _moved(camera, rays, i, float(camera.sigmas[i]))
-        for i, parameter in enumerate(camera_model(camera.model).parameters)
-    }
-
-
-def _moved(camera: Camera, rays: Array, index: int, sigma: float) -> float:
-    if sigma == 0.0 or not len(rays):
-        return 0.0
-    if not np.isfinite(sigma):
-        return np.inf
-    step = 1e-4 * max(abs(float(camera.values[index])), 1.0)
-    pixels = []
-    for side in (-step, step):
-        values = np.array(camera.values)
-        values[index] += side
-        pixels.append(pixel_from_ray(replace(camera, values=values), rays))
-    slope = np.linalg.norm(pixels[1] - pixels[0], axis=1) / (2.0 * step)
-    return float(np.nanmax(slope, initial=0.0) * sigma)
+    finite = np.where(np.isfinite(camera.sigmas), camera.sigmas, 0.0)
+    effects = largest_effects(camera, finite)
+    names = camera_model(camera.model).names
+    return effects | {n: np.inf for n, s in zip(names, camera.sigmas, strict=True) if not np.isfinite(s)}
 
 
 def warn_of_weak_parameters(block: Block, run: Run) -> None:
