@@ -96,6 +96,7 @@ PRESETS = (
     prediction=PREDICTION,
     challenge=intersection_task,
     learn="adjustment/intersection",
+    place=40,
 )  # fmt: skip
 def intersection(params: IntersectionParams, setting: Setting) -> Scene:
     """Show a section through both cameras, the point's errors enlarged, the σ curve and the numbers."""
