@@ -10,6 +10,7 @@ import numpy as np
 
 from graphos_core.data import Array, Block
 from graphos_core.errors import UserError
+from graphos_core.number_format import format_number
 from graphos_core.run_comparison.cameras import calibration_difference, camera_differences
 from graphos_core.run_comparison.geometry import (
     common_frame,
@@ -20,7 +21,12 @@ from graphos_core.run_comparison.geometry import (
     triple,
 )
 from graphos_core.run_comparison.loading import ComparedRun, load_compared_run
-from graphos_core.run_comparison.numbers import information, number_differences, weighted_squares
+from graphos_core.run_comparison.numbers import (
+    information,
+    number_differences,
+    same_weights,
+    weighted_squares,
+)
 from graphos_core.run_comparison.recipes import recipe_difference
 from graphos_core.run_comparison.records import CheckDifference, Comparison
 from graphos_core.run_comparison.statement import statement
@@ -100,6 +106,11 @@ def _notes(a: ComparedRun, b: ComparedRun) -> tuple[str, ...]:
         notes.append(Text(
             "The two adjusted different observations ({a} and {b} scalars): AIC and BIC do not decide between them.",
             a=one.observations, b=two.observations))  # fmt: skip
+    elif not same_weights(one, two):
+        notes.append(Text(
+            "The two weighted image points against the other observations differently ({a} px and {b} px a priori): AIC "
+            "and BIC do not decide between them.", a=format_number(one.prior_px, digits=3),
+            b=format_number(two.prior_px, digits=3)))  # fmt: skip
     for label, adjustment in ((a.label, one), (b.label, two)):
         if not adjustment.converged:
             notes.append(Text("{label} did not converge: {why}.", label=label, why=adjustment.stop_reason))

@@ -24,20 +24,28 @@ def information(adjustment: Adjustment) -> tuple[float, float]:
 
     ``AIC = n ln(vᵀPv / n) + 2 k`` and ``BIC = n ln(vᵀPv / n) + k ln n`` with n observations and k = n − r + 1
     estimated quantities: the unknowns less the datum defect, and the variance (Burnham and Anderson 2002, section
-    2.2, least squares case; Schwarz 1978). The lower the better; only differences mean something.
+    2.2, least squares case; Schwarz 1978). vᵀPv is taken in px², so that a common factor on all weights does not matter. The lower the better; only differences mean something.
     """
     n = adjustment.observations
-    k, squares = n - adjustment.redundancy + 1, weighted_squares(adjustment)
+    k, squares = n - adjustment.redundancy + 1, weighted_squares(adjustment) * adjustment.prior_px**2
     if n < 1 or not squares > 0:
         return math.nan, math.nan
     fit = n * math.log(squares / n)
     return fit + 2.0 * k, fit + k * math.log(n)
 
 
+def same_weights(a: Adjustment, b: Adjustment) -> bool:
+    """Say whether both weighted their observations alike: where there are image points alone a factor does not matter."""
+    kinds = {group.kind for adjustment in (a, b) for group in adjustment.groups}
+    return kinds <= {"tie points", "control image points"} or math.isclose(
+        a.prior_px, b.prior_px, rel_tol=0.01
+    )
+
+
 def number_differences(a: Adjustment, b: Adjustment) -> tuple[NumberDifference, ...]:
     """Return the figures of both; AIC and BIC judge only where both adjusted the same number of observations."""
     information_a, information_b = information(a), information(b)
-    same = a.observations == b.observations and math.isclose(a.prior_px, b.prior_px)
+    same = a.observations == b.observations and same_weights(a, b)
 
     def row(
         key: str, label: str, unit: str, one: float, two: float, definition: str, judged: bool = False

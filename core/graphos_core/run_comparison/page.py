@@ -158,14 +158,16 @@ def _photos(c: Comparison) -> Sequence[Part]:
     for names, label in ((c.only_a, c.a), (c.only_b, c.b)):
         if names:
             parts.append(Paragraph(Text("Only in {label}: {names}.", label=label, names=", ".join(names))))
-    heads = ("Photo", *(f"Δ{axis} ± σ {c.frame.unit}" for axis in "XYZ"), "rotation °", "points A", "points B",
+    heads = ("Photo", *(f"Δ{axis} {c.frame.unit}" for axis in "XYZ"), "largest σ", "rotation °", "points A", "points B",
              "RMS A px", "RMS B px")  # fmt: skip
-    parts.append(Table(heads, [_photo_row(p) for p in c.photos]))
+    parts.append(Table(heads, [_photo_row(p) for p in c.photos], note=Text(
+        "Δ: of the projection centre. σ: √(σ_A² + σ_B²), as if both were independent; errors that both share, such as those "
+        "of the control, are in it, so it is on the safe side.")))  # fmt: skip
     return parts
 
 
 def _photo_row(p: PhotoDifference) -> tuple[str, ...]:
-    moved = [format_value(d, s, digits=3) for d, s in zip(p.centre, p.sigma_centre, strict=True)]
+    moved = [*(_number(d, 3) for d in p.centre), _number(max(p.sigma_centre), 2)]
     return (
         p.name, *moved, _number(p.rotation_deg, 3), format_number(p.observations_a), format_number(p.observations_b),
         _number(p.rms_a_px, 3), _number(p.rms_b_px, 3),

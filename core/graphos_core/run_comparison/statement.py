@@ -32,7 +32,9 @@ def statement(
     found = [_fit({n.key: n for n in numbers})]
     changed = [row.label.lower() for row in cameras if row.significant]
     if changed:
-        found.append(Text("Camera: {names} differ significantly.", names=", ".join(dict.fromkeys(changed))))
+        found.append(
+            Text("Significant differences of the camera: {names}.", names=", ".join(dict.fromkeys(changed)))
+        )
     if points.common:
         found.append(_points(points, frame.unit))
     found.append(_accuracy(check))

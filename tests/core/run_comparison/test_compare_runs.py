@@ -116,12 +116,19 @@ def test_calibration_difference_is_what_the_best_rotation_leaves() -> None:
 
 def test_information_criteria_follow_their_formula(folders: tuple[Path, Path]) -> None:
     adjustment = replace(
-        load_compared_run(folders[0]).adjustment, groups=(), observations=1000, redundancy=900, sigma0=0.5
+        load_compared_run(folders[0]).adjustment,
+        groups=(),
+        observations=1000,
+        redundancy=900,
+        sigma0=0.5,
+        prior_px=1.0,
     )
     aic, bic = information(adjustment)
     fit = 1000 * math.log(0.25 * 900 / 1000)
     assert aic == pytest.approx(fit + 2 * 101)
     assert bic == pytest.approx(fit + 101 * math.log(1000))
+    other = replace(adjustment, sigma0=2.0, prior_px=0.25)
+    assert information(other) == pytest.approx((aic, bic)), "a common factor on all weights does not matter"
 
 
 def test_recipe_difference_names_what_differs_and_nothing_else() -> None:
