@@ -119,3 +119,12 @@ def joined(parts: list[tuple[Array, Rays]], count: int) -> Rays:
     for index, rays in parts:
         directions[index], frames[index] = rays.directions, rays.frames
     return Rays(directions, frames, all(rays.central for _, rays in parts))
+
+
+def in_turn(sides: list[Rays]) -> Rays:
+    """Return corresponding rays one after the other: those of the first point, of the second, and so on."""
+    return Rays(
+        np.stack([side.directions for side in sides], axis=1).reshape(-1, 3),
+        np.stack([side.frames for side in sides], axis=1).reshape(-1, 3, 3),
+        all(side.central for side in sides),
+    )

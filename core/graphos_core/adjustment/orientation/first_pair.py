@@ -9,7 +9,7 @@ import numpy as np
 from graphos_core.adjustment.orientation.growing import GrowingBlock
 from graphos_core.data import Array
 from graphos_core.errors import UserError
-from graphos_core.geometry.rays import Rays
+from graphos_core.geometry.rays import in_turn
 from graphos_core.geometry.relative_orientation import relative_orientation
 from graphos_core.geometry.triangulation import intersect_rays
 from graphos_core.run import Run
@@ -62,7 +62,7 @@ def orient_pair(block: GrowingBlock, a: int, b: int, *, seed: int) -> FirstPair 
     centre = -found.rotation.T @ found.translation
     points = intersect_rays(
         2 * np.arange(len(inliers) + 1), np.tile([0, 1], len(inliers)),
-        alternating(rays_a[inliers], rays_b[inliers]), np.stack([np.eye(3), found.rotation]),
+        in_turn([rays_a[inliers], rays_b[inliers]]), np.stack([np.eye(3), found.rotation]),
         np.stack([np.zeros(3), centre]), threshold_px=block.reprojection_px,
     )  # fmt: skip
     angles = points.angles[points.ok]
@@ -70,15 +70,6 @@ def orient_pair(block: GrowingBlock, a: int, b: int, *, seed: int) -> FirstPair 
         return "no rays intersect in front of both photos"
     score = float(np.minimum(angles / FULL_ANGLE, 1.0).sum())
     return FirstPair(a, b, found.rotation, centre, len(angles), float(np.median(angles)), score)
-
-
-def alternating(a: Rays, b: Rays) -> Rays:
-    """Return corresponding rays one after the other: a₀, b₀, a₁, b₁ and so on."""
-    return Rays(
-        np.stack([a.directions, b.directions], axis=1).reshape(-1, 3),
-        np.stack([a.frames, b.frames], axis=1).reshape(-1, 3, 3),
-        a.central and b.central,
-    )
 
 
 def candidate_pairs(block: GrowingBlock, group: tuple[int, ...], min_points: int) -> list[tuple[int, int]]:
