@@ -6,6 +6,7 @@ import numpy as np
 
 from graphos_core.adjustment.bundle.adjust import adjust_block
 from graphos_core.adjustment.bundle.problem import make_problem
+from graphos_core.adjustment.bundle.rank import datum_findings
 from graphos_core.adjustment.bundle.reduced_system import ReducedSystem
 from graphos_core.cameras import pixel_from_ray
 from graphos_core.geometry.intersection_precision import error_ellipse
@@ -66,7 +67,7 @@ PRESETS = (
     first="Drag the dashed block along its free motion: the photos do not change.",
     source="Baarda 1973; Förstner and Wrobel 2016, section 4.5",
     engine=(
-        adjust_block, make_problem, ReducedSystem, estimate_similarity, error_ellipse, pixel_from_ray,
+        adjust_block, make_problem, datum_findings, ReducedSystem, estimate_similarity, error_ellipse, pixel_from_ray,
     ),
     presets=PRESETS,
     steps=STEPS,
@@ -136,6 +137,8 @@ def _sheet(held: Held) -> list[AnyMark]:
                answer=True),
         Number(thing="truth", label="Error of the points (RMS)", value=1e3 * error, unit="mm", digits=1, role="truth",
                truth=True, answer=True),
+        *((Sentence(text="The program says", heading=True, thing="motion"),
+           Sentence(role="muted", text=held.advice, thing="motion", answer=True)) if held.advice else ()),
         Sentence(role="muted", text=f"Datum: {held.equations.cofactors.datum}.", answer=True),
     ]  # fmt: skip
     return marks

@@ -13,6 +13,7 @@ from graphos_core.adjustment.bundle.kernels import Rules
 from graphos_core.adjustment.bundle.known.group import Group
 from graphos_core.adjustment.bundle.known.points import Coordinates, Distances
 from graphos_core.adjustment.bundle.problem import Freedom, make_problem
+from graphos_core.adjustment.bundle.rank import datum_findings
 from graphos_core.adjustment.bundle.reduced_system import ReducedSystem
 from graphos_core.adjustment.bundle.robust import ROBUST
 from graphos_core.data import Adjustment, Block
@@ -178,6 +179,12 @@ class Held:
             [size] * 3 + [1.0] * 4
         )  # the engine counts shifts in units of the block's size
         return tuple(self._motion(row) for row in _sparse(_about(parts, self._pivot - centres.mean(axis=0))))
+
+    @property
+    def advice(self) -> str:
+        """What the engine says about the free motions, and what would fix them; empty where nothing is free."""
+        found, problem = self.equations.cofactors, self.equations.problem
+        return " ".join(f"{f.what} {f.todo}" for f in datum_findings(found.null, problem.scene, problem))
 
     @property
     def _pivot(self) -> Array:

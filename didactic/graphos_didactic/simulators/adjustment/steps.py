@@ -16,7 +16,6 @@ from graphos_didactic.scene import AnyMark, Formula, Number, Panel, Scene, Sente
 from graphos_didactic.simulator import Preset, Setting, Step, simulator
 from graphos_didactic.simulators.adjustment.four_photos import HEIGHT, WIDTH
 from graphos_didactic.simulators.adjustment.steps_drawing import (
-    NAMES,
     STEERS,
     handle_marks,
     jacobian_marks,
@@ -188,6 +187,4 @@ def _rms(run: Iteration) -> float:
 def _says(run: Iteration) -> str:
     solution = run.solution
     end = f"after {len(solution.iterations) - 1} iterations: {solution.reason}"
-    return (
-        f"Iteration {run.number}: RMS residual {_rms(run):.2f} px. {NAMES[run.params.method][0]} ends {end}."
-    )
+    return f"Iteration {run.number}: RMS residual {_rms(run):.2f} px. {run.params.declarations()['method'].about.choices[run.params.method]} ends {end}."

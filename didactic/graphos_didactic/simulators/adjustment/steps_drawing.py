@@ -178,7 +178,7 @@ def step_marks(run: Iteration) -> list[AnyMark]:
 
 
 NAMES: Mapping[Method, tuple[str, Dash]] = {
-    "levenberg-marquardt": ("Levenberg–Marquardt", "solid"),
+    "levenberg-marquardt": ("Marquardt", "solid"),
     "gauss-newton": ("Gauss–Newton", "dash"),
     "powell": ("Powell's dogleg", "dot"),
 }
