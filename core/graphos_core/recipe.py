@@ -274,6 +274,7 @@ class Recipe:
                 k: None if v == "none" and k in known and known[k].optional else v for k, v in value.items()
             }
             try:
+                plain = _of_today(f"{stage}.{name}", plain)
                 recipe = recipe.with_params(stage, name, found.params.from_dict(plain))
             except ParamError as problem:
                 raise ParamError(problem.name, f"[{stage}.{name}] {problem.message}") from problem
@@ -285,3 +286,14 @@ def _check_role(stage: str, role: str) -> None:
         raise UserError(unknown_name(stage, list(STAGES), "stage"))
     if role not in DEFAULTS[stage]:
         raise UserError(unknown_name(role, list(DEFAULTS[stage]), f"role in {stage}"))
+
+
+def _of_today(algorithm: str, values: dict[str, Any]) -> dict[str, Any]:
+    """Return parameters of a recipe of version 0.1.0 under the names they have now."""
+    retired = {"free_k1": "k1", "free_k2": "k2"} if algorithm == "adjustment.schur" else {}
+    held = [new for old, new in retired.items() if values.get(old) is False]
+    kept = {name: value for name, value in values.items() if name not in retired}
+    if held:
+        said = [kept.get("parameters", ""), *(f"{name}=fixed" for name in held)]
+        kept["parameters"] = ", ".join(filter(None, said))
+    return kept

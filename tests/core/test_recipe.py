@@ -69,3 +69,9 @@ def test_a_value_out_of_range_is_refused() -> None:
 def test_a_recipe_that_is_not_toml_is_refused_with_its_line() -> None:
     with pytest.raises(UserError, match="line 1"):
         Recipe.from_toml("x = = 3")
+
+
+def test_a_recipe_of_the_first_version_keeps_its_meaning() -> None:
+    old = "[adjustment.schur]\nfree_k1 = true\nfree_k2 = false\n"
+    params = Recipe.from_toml(old).algorithm("adjustment", "bundle")[1]
+    assert params.parameters == "k2=fixed"

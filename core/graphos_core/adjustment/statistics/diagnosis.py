@@ -23,7 +23,11 @@ UNCONTROLLED = 0.1
 """Redundancy number below which an observation counts as hardly controlled."""
 
 WORSE = 3.0
-"""Check points whose RMS exceeds their predicted precision this many times tell of systematic errors."""
+"""Check points whose RMS exceeds their predicted precision this many times tell of systematic errors; one that falls
+short of it as much, of a priori standard deviations that are too large."""
+
+MANY = 0.1
+"""Share of image observations that fail their test from which it is a warning."""
 
 ORDER = {"error": 0, "warning": 1, "info": 2}
 
@@ -114,12 +118,13 @@ def _blunders_image(a: Adjustment) -> list[Finding]:
     block = a.block
     named = [_image_label(a, int(o)) for o in worst]
     return [Finding(
-        severity="warning",
+        severity="warning" if total > MANY * w.size else "info",
         what=Text("{count} image observations fail their test at {alpha:g}; {expected:.0f} would by chance.",
                   count=total, alpha=a.reliability.alpha, expected=expected),
         why=Text("The largest |w| is {w:.1f}, in {photo}.", w=float(w[worst[0]]),
                  photo=block.names[block.obs_photo[worst[0]]]),
-        todo="Lower the rejection limit, or look at the named observations.", learn="adjustment/data-snooping",
+        todo="Some are usual: real photos have more large residuals than a normal distribution. If they lie in one photo "
+        "or on one object, look at them; a lower rejection limit takes them out.", learn="adjustment/data-snooping",
         items=tuple(named),
     )]  # fmt: skip
 
@@ -180,6 +185,10 @@ def _check(a: Adjustment) -> list[Finding]:
         return []
     told = Text("Check points: RMS {rms} per coordinate against a predicted {sigma}.",
                 rms=format_value(rms, unit="m", digits=3), sigma=format_value(predicted, unit="m", digits=3))  # fmt: skip
+    if rms < predicted / WORSE:
+        return [Finding(severity="info", what=told, why="The block is better than its covariance promises: the a priori "
+                        "standard deviations of control are probably too large.",
+                        todo="Lower them, or estimate variance components.", learn="adjustment/check-points")]  # fmt: skip
     if rms <= WORSE * predicted:
         return [Finding(severity="info", what=told, why="Accuracy is what precision promised.",
                         learn="adjustment/check-points")]  # fmt: skip
