@@ -189,6 +189,9 @@ class Project:
     def change(self, run: Run | None = None, **settings: Any) -> Project:
         """Return the project with some settings changed, saved; control and calibration may be paths anywhere."""
         if settings.get("control"):
+            from graphos_core.exchange.control_writing import keep_version
+
+            keep_version(self.folder)  # edited points are not lost to a file that is taken instead
             settings["control"] = copy_control(Path(settings["control"]), self.folder)
         given = settings.pop("calibration", None)
         made = replace(self.settings, **settings)

@@ -152,3 +152,16 @@ def test_a_distance_of_the_table_gives_a_project_its_scale_and_changes_its_key(t
     (found,) = project.known().distances
     assert (found.a, found.b, found.metres) == ("0.png", "1.png", 2.0)
     assert Pipeline(project, Recipe.default()).key("georeference") != before
+
+
+def test_taking_another_control_file_keeps_the_edited_one(tmp_path: Path) -> None:
+    photos = tmp_path / "photos"
+    photos.mkdir()
+    cv2.imwrite(str(photos / "a.png"), np.random.default_rng(0).integers(0, 255, (40, 60), dtype=np.uint8))
+    project = Project.create(tmp_path / "project", photos)
+    write_sheet(project.folder, SHEET)
+    (tmp_path / "other.csv").write_text("name,x,y,z\nN,1,2,3\n", "utf-8")
+    changed = project.change(control=tmp_path / "other.csv")
+    assert changed.control()[0].names == ("N",)
+    kept, _ = read_control(project.folder / "earlier" / "0001" / "control.csv")
+    assert kept is not None and "T1" in kept.names
