@@ -93,11 +93,14 @@ def _roughness(contour: Array, middle: Array, shape: Array) -> float:
 
 def _without_doubles(discs: list[tuple[Array, float, float]]) -> list[tuple[Array, float, float]]:
     """Keep the surest of the ellipses in one disc: a large disc can come as a ring with two contours."""
-    kept: list[tuple[Array, float, float]] = []
-    for disc in sorted(discs, key=lambda d: d[1]):
-        inside = (np.pi * float(((disc[0] - centre) ** 2).sum()) < area for centre, _, area in kept)
-        if not any(inside):
+    ranked = sorted(discs, key=lambda d: d[1])
+    centres = np.array([centre for centre, _, _ in ranked]).reshape(-1, 2)
+    free = np.ones(len(ranked), dtype=bool)
+    kept = []
+    for i, disc in enumerate(ranked):
+        if free[i]:
             kept.append(disc)
+            free &= np.pi * ((centres - disc[0]) ** 2).sum(axis=1) >= disc[2]
     return kept
 
 
