@@ -42,14 +42,16 @@ def find_discs(grey: Array) -> tuple[Array, Array, Array]:
         px².
     """
     smooth = cv2.GaussianBlur(grey, (0, 0), 1.0)
-    best: list[tuple[Array, float, float]] = []
+    regions: list[tuple[Array, Array, float]] = []
+    most = 0
     for window in _windows(grey.shape):
         mask = cv2.adaptiveThreshold(
             smooth, 255, cv2.ADAPTIVE_THRESH_MEAN_C, cv2.THRESH_BINARY_INV, window, 8
         )
-        found = _discs_of(grey, mask)
-        if len(found) > len(best):
-            best = found
+        found = _regions(mask)
+        if (count := _places(found)) > most:
+            regions, most = found, count
+    best = _measured(grey, regions)
     if not best:
         return np.zeros((0, 2)), np.zeros(0), np.zeros(0)
     centres, sigmas, areas = zip(*best, strict=True)
@@ -61,13 +63,14 @@ def _windows(shape: tuple[int, ...]) -> list[int]:
     return sorted({int(side * share) // 2 * 2 + 1 for share in (0.03, 0.06, 0.12, 0.25)})
 
 
-def _discs_of(grey: Array, mask: Array) -> list[tuple[Array, float, float]]:
+def _regions(mask: Array) -> list[tuple[Array, Array, float]]:
+    """Return middle, inverse second moments and smaller half axis of every region that is an ellipse."""
     contours, _ = cv2.findContours(mask, cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE)
-    discs = []
+    regions = []
     for contour in contours:
         moments = cv2.moments(contour)
         area = moments["m00"]
-        if not LEAST_AREA <= area <= LARGEST_SHARE * grey.size:
+        if not LEAST_AREA <= area <= LARGEST_SHARE * mask.size:
             continue
         spread = np.array([[moments["mu20"], moments["mu11"]], [moments["mu11"], moments["mu02"]]]) / area
         small, large = np.sqrt(np.maximum(np.linalg.eigvalsh(spread), 1e-9)) * 2.0  # half axes
@@ -79,9 +82,32 @@ def _discs_of(grey: Array, mask: Array) -> list[tuple[Array, float, float]]:
         middle, shape = np.array([moments["m10"], moments["m01"]]) / area, np.linalg.inv(spread)
         if _roughness(contour, middle, shape) * small > 0.3 + ROUGHEST * small:
             continue
-        centre, sigma, measured = ellipse_centre(grey, middle, shape, float(small))
-        if np.isfinite(sigma) and np.hypot(*(centre - middle)) < 0.5 * large:
-            discs.append((centre, sigma, measured))
+        regions.append((middle, shape, float(small)))
+    return regions
+
+
+def _places(regions: list[tuple[Array, Array, float]]) -> int:
+    """Return how many different places the regions have: the two contours of a ring are one."""
+    if not regions:
+        return 0
+    middles = np.array([middle for middle, _, _ in regions])
+    reach = np.array([small for _, _, small in regions])
+    first = np.ones(len(regions), dtype=bool)
+    for i in np.argsort(-reach):
+        if first[i]:
+            near = ((middles - middles[i]) ** 2).sum(axis=1) < reach[i] ** 2
+            near[i] = False
+            first &= ~near
+    return int(first.sum())
+
+
+def _measured(grey: Array, regions: list[tuple[Array, Array, float]]) -> list[tuple[Array, float, float]]:
+    """Return centre, standard deviation and area of every disc."""
+    discs = []
+    for middle, shape, small in regions:
+        centre, sigma, area = ellipse_centre(grey, middle, shape, small)
+        if np.isfinite(sigma) and np.hypot(*(centre - middle)) < 0.5 * small / FLATTEST:
+            discs.append((centre, sigma, area))
     return _without_doubles(discs)
 
 
