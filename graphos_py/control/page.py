@@ -47,6 +47,8 @@ class ControlPage(QWidget):
         self._serial = 0
         self._background = Background(self)
         self.table = ControlTable(self.desk, level)
+        for action in self.table.history_actions:
+            self.addAction(action)  # undo and redo work wherever the page has the focus
         self.distances = DistancesPanel(self.desk)
         self.upper = QTabWidget()
         self.upper.setDocumentMode(True)

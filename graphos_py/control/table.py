@@ -67,6 +67,7 @@ class ControlTable(QWidget):
         bar.setContentsMargins(8, 6, 8, 0)
         bar.setSpacing(4)
         undo, redo = self.desk.undo.createUndoAction(self), self.desk.undo.createRedoAction(self)
+        self.history_actions = (undo, redo)
         undo.setShortcut(QKeySequence(QKeySequence.StandardKey.Undo))
         redo.setShortcut(QKeySequence(QKeySequence.StandardKey.Redo))
         for action in (undo, redo):

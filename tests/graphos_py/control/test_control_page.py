@@ -7,7 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from PySide6.QtCore import QEvent, Qt
+from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtGui import QKeyEvent
 
 from graphos_core.adjustment.measuring.prediction import Prediction, project
@@ -262,3 +262,23 @@ def test_an_oriented_block_predicts_places_and_measures_distances(qtbot, page: C
     qtbot.waitUntil(lambda: "mm" in page.distances.table.item(1, 6).text(), timeout=20000)
     assert page.distances.table.item(0, 5).text().startswith(f"{np.linalg.norm(xyz[1] - xyz[0]):.4f}"[:6])
     assert page.distances.table.item(1, 6).text().startswith("\u22122.00")
+
+
+def test_mouse_and_keys_reach_the_photo_and_undo_works_from_there(qtbot, page: ControlPage) -> None:
+    page.table.add()
+    canvas = page.measuring.canvas
+    x, y = canvas.to_screen(np.array([TARGET]))[0]
+    qtbot.mouseClick(canvas, Qt.MouseButton.LeftButton, pos=QPoint(round(x), round(y)))
+    mark = page.desk.sheet.marks["P1", "a.png"]
+    assert np.allclose(mark.xy, TARGET, atol=1.0)
+    qtbot.keyClick(canvas, Qt.Key.Key_Right)
+    assert page.desk.sheet.marks["P1", "a.png"].x == pytest.approx(mark.x + 0.1, abs=1e-3)
+    qtbot.keyClick(canvas, Qt.Key.Key_S)
+    assert page.measuring.snapping.currentData() == "circle"
+    page.activateWindow()
+    canvas.setFocus()
+    qtbot.waitUntil(canvas.hasFocus)
+    qtbot.keyClick(canvas, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert page.desk.sheet.marks["P1", "a.png"] == mark
+    qtbot.keyClick(canvas, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert not page.desk.sheet.marks
