@@ -74,6 +74,7 @@ PRESETS = (
     prediction=PREDICTION,
     challenge=datum_task,
     learn=LESSON,
+    place=75,
 )  # fmt: skip
 def datum(params: DatumParams, setting: Setting) -> Scene:
     """Show the block in space and plan, two photos, the spectrum of the normal matrix and the numbers."""

@@ -84,7 +84,7 @@ def datum_task(seed: int) -> Task:
 def _judge(params: DatumParams, number: float | None) -> Verdict:
     held = Held(params)
     names = "; ".join(motion.name for motion in held.motions)
-    seen = f"{held.count} numbers, {held.defect} free motions. "
+    seen = f"{held.count} numbers, {held.defect} free motion{'' if held.defect == 1 else 's'}. "
     if held.defect == 0 and held.count == NEEDED:
         return Verdict(True, f"Right: {seen}")
     if held.defect == 0:

@@ -75,6 +75,7 @@ PRESETS = (
     prediction=PREDICTION,
     challenge=network_task,
     learn=LESSON,
+    place=65,
 )  # fmt: skip
 def network(params: NetworkParams, setting: Setting) -> Scene:
     """Show the network in space, plan and section, the correlations, what each photo adds, and the numbers."""

@@ -99,6 +99,7 @@ PRESETS = (
     prediction=PREDICTION,
     challenge=robust_task,
     learn=LESSON,
+    place=85,
 )  # fmt: skip
 def robust(params: RobustParams, setting: Setting) -> Scene:
     """Show the section, the valley of the cost round the point, the robust function, the votes and the numbers."""

@@ -72,6 +72,7 @@ PRESETS = (
     prediction=PREDICTION,
     challenge=snooping_task,
     learn=LESSON,
+    place=80,
 )  # fmt: skip
 def snooping(params: SnoopingParams, setting: Setting) -> Scene:
     """Show the photos with residuals, the test of every coordinate, minimal biases, the object and the numbers."""

@@ -87,6 +87,7 @@ PRESETS = (
     prediction=PREDICTION,
     challenge=steps_task,
     learn=LESSON,
+    place=70,
 )  # fmt: skip
 def steps(params: StepsParams, setting: Setting) -> Scene:
     """Show photo 1 and the plan, Jacobian, normal matrix and its Schur complement, the step, the trace, the numbers."""
