@@ -291,4 +291,9 @@ def _says(bundle: Bundle) -> str:
     wrong = int((~bundle.good).sum())
     off_squares, off = (float(np.linalg.norm(mm(x))) for x in (bundle.least_squares, bundle.robust.point))
     rays = f"{wrong} of {RAYS} rays {'is' if wrong == 1 else 'are'} wrong"
-    return f"{rays}: least squares misses the point by {off_squares:.1f} mm, {bundle.function.label} by {off:.1f} mm."
+    plain = f"{rays}: least squares misses the point by {off_squares:.1f} mm"
+    return (
+        f"{plain}."
+        if bundle.params.function == "none"
+        else f"{plain}, {bundle.function.label} by {off:.1f} mm."
+    )
