@@ -355,6 +355,8 @@ class MainWindow(QMainWindow):
             return
         self.session.stop()
         self.session.save_recipe()
+        for stage in STAGES:
+            self.stage_tab(stage).closing()
         self.settings.keep_layout("geometry", self.saveGeometry())
         if self._current not in ("start", "learn"):
             self.settings.keep_layout("docks", QByteArray(self.saveState(LAYOUT_VERSION)))

@@ -72,6 +72,7 @@ class ControlDesk(QObject):
         self.point = ""
         self.undo = QUndoStack(self)
         self._folder: Path | None = None
+        self._project: Any = None
         self._digests: list[Any] = []
         self._original: tuple[ControlSheet, dict[str, bytes]] = (ControlSheet(), {})
         self._saving = QTimer(self, singleShot=True, interval=SAVE_MS)
@@ -90,9 +91,11 @@ class ControlDesk(QObject):
         digests = _digests(project)
         if project.folder == self._folder and digests == self._digests:
             return
-        self._saving.stop()
         if project.folder != self._folder:
+            self.flush()
             self._kept = False
+        self._saving.stop()  # a file that was taken meanwhile counts more than an edit that waits
+        self._project = project
         self._folder, self._digests, self.problem = project.folder, digests, None
         try:
             self.sheet = ControlSheet.from_known(*project.control(), _own_distances(project))
@@ -135,28 +138,40 @@ class ControlDesk(QObject):
 
     def save(self) -> None:
         """Write the files in the background; not while a step runs, which reads them."""
-        project, sheet = self.session.project, self.sheet
+        project = self.session.project
         if project is None or project.folder != self._folder:
             return
         if self.session.running is not None:
             self._saving.start()
             return
         self._saving.stop()
-        original, files = self._original
-        work = (
-            _restore(project, files)
-            if sheet == original and files
-            else _write(project, sheet, not self._kept)
-        )
-        self._kept = True
-        job = Job(work, name="control", engine=False)
+        job = Job(self._work(project), name="control", engine=False)
         job.succeeded.connect(self._saved)
         job.failed.connect(self.session.tell)
         self.session.jobs.start(job)
 
+    def flush(self) -> None:
+        """Write an edit that waits at once, before the project or the window is closed."""
+        if self.unsaved and self._project is not None:
+            self._saving.stop()
+            try:
+                self._work(self._project)(Run())
+            except GraphosError as problem:
+                self.session.tell(problem)
+
+    def _work(self, project: Any) -> Callable[[Run], Any]:
+        """Return the work that writes the sheet, or what was read where the sheet is that again."""
+        original, files = self._original
+        keep, self._kept = not self._kept, True
+        return (
+            _restore(project, files)
+            if self.sheet == original and files
+            else _write(project, self.sheet, keep)
+        )
+
     def _saved(self, project: Any) -> None:
         if self.session.project is not None and project.folder == self.session.project.folder:
-            self._digests = _digests(project)
+            self._digests, self._project = _digests(project), project
             self.session.known_changed(project)
 
     def _run_changed(self) -> None:

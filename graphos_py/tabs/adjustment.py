@@ -111,6 +111,11 @@ class AdjustmentTab(StageTab):
             page.set_level(level)
             self.views.setTabVisible(self.views.indexOf(page), page.seen_by(level))
 
+    def closing(self) -> None:
+        """Write an edit of the control points that waits."""
+        if self._made:
+            self.control.desk.flush()
+
     # --------------------------------------------------------------------------------------------- reacting
 
     def _given(self, result: Any) -> dict[str, Array]:

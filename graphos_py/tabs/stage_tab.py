@@ -97,6 +97,9 @@ class StageTab(QWidget):
     def show_photo(self, index: int) -> None:
         """Another photo was selected; nothing by default."""
 
+    def closing(self) -> None:
+        """Write what waits to be written: the window is about to close; nothing by default."""
+
     def add_view(self, view: QWidget, label: str) -> None:
         """Add a page to the views."""
         self.views.addTab(view, tr(label))

@@ -282,3 +282,11 @@ def test_mouse_and_keys_reach_the_photo_and_undo_works_from_there(qtbot, page: C
     assert page.desk.sheet.marks["P1", "a.png"] == mark
     qtbot.keyClick(canvas, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
     assert not page.desk.sheet.marks
+
+
+def test_an_edit_is_not_lost_when_the_window_closes_at_once(page: ControlPage, folder: Path) -> None:
+    page.desk.edit(ControlSheet((SheetPoint("A", (1.0, 2.0, 3.0)),)), "test")
+    assert page.desk.unsaved
+    page.desk.flush()
+    assert not page.desk.unsaved
+    assert Project.open(folder).control()[0].names == ("A",)
