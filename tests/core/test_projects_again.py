@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 from graphos_core.cli import build_parser
-from graphos_core.commands import _project, _recipe
+from graphos_core.commands import _recipe, make_project
 from graphos_core.demo import is_simulated
 from graphos_core.errors import ParamError
 from graphos_core.project import Project
@@ -30,7 +30,7 @@ def project(tmp_path: Path) -> Project:
 def options(*words: object) -> tuple[Recipe, Project]:
     parsed = build_parser().parse_args(["run", *(str(word) for word in words)])
     recipe = _recipe(parsed)
-    return recipe, _project(parsed, recipe.seed, Run())
+    return recipe, make_project(parsed, recipe.seed, Run())
 
 
 def test_a_project_keeps_its_seed_and_the_recipe_of_its_last_run(project: Project) -> None:
