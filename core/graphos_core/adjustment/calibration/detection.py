@@ -23,6 +23,8 @@ from graphos_core.text import Text
 
 LEAST_POINTS = 8
 """A photo with fewer measured points is not used."""
+LEAST_BELIEVED = 20
+"""Corners a board must have to be named as what was found instead."""
 LOOKED_AT = 3
 """Photos that are looked at to find out what a board is."""
 
@@ -130,8 +132,13 @@ def _not_found(
         sizes = Counter(
             size for p in photos[:LOOKED_AT] if (size := size_of_chessboard(_grey(p))) is not None
         )
-        if sizes:
-            columns, rows = max(sizes)
+        # panes and panels look like a small chessboard, and one photo alone may be mistaken
+        several = [
+            size for size, times in sizes.items()
+            if times >= min(2, len(photos)) and size[0] * size[1] >= LEAST_BELIEVED
+        ]  # fmt: skip
+        if several:
+            columns, rows = max(several)
             return UserError(
                 what, Text("The photos show a chessboard with {c} × {r} inner corners.", c=columns, r=rows),
                 Text("Give --columns {c} --rows {r}: inner corners, not squares.", c=columns, r=rows),
