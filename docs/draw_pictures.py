@@ -69,11 +69,12 @@ PICTURES = (
     Picture("features", "features", page("features", "Matches"), "light"),
     Picture("features_numbers", "features", page("features", "Numbers")),
     Picture("adjustment", "adjustment", page("adjustment", "3D"), "light"),
-    Picture("calibration", "adjustment", page("adjustment", "Calibration")),
+    Picture("findings", "adjustment", page("adjustment", "Findings")),
+    Picture("calibration", "adjustment", page("adjustment", "Calibration"), "light"),
     Picture("photos", "adjustment", page("adjustment", "Photos")),
     Picture("residuals", "adjustment", page("adjustment", "Residuals")),
     Picture("iterations", "adjustment", page("adjustment", "Iterations")),
-    Picture("control", "adjustment", page("adjustment", "Control")),
+    Picture("control", "adjustment", page("adjustment", "Control"), "light"),
     Picture("dense", "dense", page("dense", "Cloud"), "dark"),
     Picture("depth", "dense", page("dense", "Depth map")),
     Picture("quality", "quality", page("quality", "Distances and measuring"), "light"),
@@ -83,7 +84,18 @@ PICTURES = (
     Picture("simulator_intersection", "learn", learn("simulator", "adjustment/intersection"), "dark"),
     *(
         Picture(f"simulator_{name}", "learn", learn("simulator", f"adjustment/{name}"))
-        for name in ("rotations", "collinearity", "coplanarity", "trifocal", "distortion")
+        for name in (
+            "rotations",
+            "collinearity",
+            "coplanarity",
+            "trifocal",
+            "distortion",
+            "network",
+            "steps",
+            "datum",
+            "snooping",
+            "robust",
+        )
     ),
     Picture("simulator_wallis", "learn", learn("simulator", "preprocessing/wallis")),
     Picture("lab", "learn", learn("lab", "from-photos-to-a-model")),

@@ -20,6 +20,8 @@ from graphos_py.translation import tr
 
 TITLES = ("parameter", "value", "next time", "t", "correlated with")
 NAME, VALUE, NEXT, TEST, CORRELATED = range(5)
+WARNED = int(Qt.ItemDataRole.UserRole)
+"""Role of an item that is to be noticed."""
 CHOICES = {"": "as the model says", "free": "free", "fixed": "fixed", "prior": "free with σ …"}
 
 
@@ -55,6 +57,7 @@ class ParameterTable(QTableWidget):
         self.verticalHeader().setVisible(False)
         self.horizontalHeader().setHighlightSections(False)
         self.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.Interactive)
+        theme().changed.connect(self._recolour)
 
     def set_level(self, level: Level) -> None:
         """Show the tests to students, the choices to experts."""
@@ -81,7 +84,16 @@ class ParameterTable(QTableWidget):
             combo.activated.connect(lambda _, n=parameter.name: self._chosen(n))
             self.setCellWidget(row, NEXT, combo)
         self.show_choices()
+        self._recolour()
         self.resizeColumnsToContents()
+
+    def _recolour(self) -> None:
+        """Colour what is to be noticed, in the theme of the moment."""
+        for row in range(self.rowCount()):
+            for column in range(self.columnCount()):
+                item = self.item(row, column)
+                if item is not None and item.data(WARNED):
+                    item.setForeground(theme().colour("warn"))
 
     def show_choices(self) -> None:
         """Show what the recipe says of single parameters."""
@@ -148,7 +160,7 @@ def _item(text: str, column: int, test: Significance | None) -> QTableWidgetItem
             )
         )
         if not test.significant:
-            item.setForeground(theme().colour("warn"))
+            item.setData(WARNED, True)
     if test is not None and column == CORRELATED and abs(test.correlation) > 0.9:
-        item.setForeground(theme().colour("warn"))
+        item.setData(WARNED, True)
     return item

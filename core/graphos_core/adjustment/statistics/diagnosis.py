@@ -102,7 +102,15 @@ def _blunders_known(a: Adjustment, run: Run) -> list[Finding]:
 
 
 def _amount(group: ObservationGroup, i: int) -> str:
-    return format_value(float(group.residuals[i]), unit=group.unit, digits=3)
+    value = float(group.residuals[i])
+    return length_text(value) if group.unit == "m" else format_value(value, unit=group.unit, digits=3)
+
+
+def length_text(metres: float) -> str:
+    """Return a length in mm where it is below 0.1 m, else in m."""
+    if abs(metres) < 0.1:
+        return format_value(1000.0 * metres, unit="mm", digits=3)
+    return format_value(metres, unit="m", digits=3)
 
 
 def _blunders_image(a: Adjustment) -> list[Finding]:
@@ -183,8 +191,11 @@ def _check(a: Adjustment) -> list[Finding]:
     predicted = float(np.sqrt(sigma.mean()))
     if not (np.isfinite(predicted) and predicted > 0):
         return []
-    told = Text("Check points: RMS {rms} per coordinate against a predicted {sigma}.",
-                rms=format_value(rms, unit="m", digits=3), sigma=format_value(predicted, unit="m", digits=3))  # fmt: skip
+    told = Text(
+        "Check points: RMS {rms} per coordinate against a predicted {sigma}.",
+        rms=length_text(rms),
+        sigma=length_text(predicted),
+    )
     if rms < predicted / WORSE:
         return [Finding(severity="info", what=told, why="The block is better than its covariance promises: the a priori "
                         "standard deviations of control are probably too large.",
@@ -211,7 +222,7 @@ def _distances(a: Adjustment, known: Known) -> list[Finding]:
             severity="info", learn="adjustment/scale-bars",
             what=Text("Check distance {a}–{b}: computed {length}, given {given}, difference {miss}.", a=d.a, b=d.b,
                       length=format_value(length, unit="m", digits=6), given=format_value(d.metres, unit="m", digits=6),
-                      miss=format_value(length - d.metres, unit="m", digits=3)),
+                      miss=length_text(length - d.metres)),
         ))  # fmt: skip
     return out
 

@@ -134,7 +134,7 @@ def _panels(run: Iteration) -> tuple[Panel, ...]:
               x_range=(-0.5, columns - 0.5), y_range=(-0.5, rows - 0.5), y_down=True),
         Panel(name="normal", title="Normal matrix AᵀPA", rect=(0.43, 0.0, 0.19, 0.52), kind="picture",
               x_range=(-0.5, columns - 0.5), y_range=(-0.5, columns - 0.5), equal=True, y_down=True),
-        Panel(name="schur", title="Without points: S", rect=(0.62, 0.0, 0.14, 0.52), kind="picture",
+        Panel(name="schur", title="Reduced: S", rect=(0.62, 0.0, 0.14, 0.52), kind="picture",
               x_range=(-0.5, u - 0.5), y_range=(-0.5, u - 0.5), equal=True, y_down=True),
         Panel(name="trace", title="The engine's iteration", rect=(0.28, 0.52, 0.26, 0.48),
               x_range=(-0.6, max(count, 8) - 0.2), y_range=_trace_range(run), x_label="iteration", y_label="log₁₀",

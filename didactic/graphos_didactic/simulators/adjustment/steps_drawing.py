@@ -180,11 +180,11 @@ def step_marks(run: Iteration) -> list[AnyMark]:
 NAMES: Mapping[Method, tuple[str, Dash]] = {
     "levenberg-marquardt": ("Marquardt", "solid"),
     "gauss-newton": ("Gauss–Newton", "dash"),
-    "powell": ("Powell's dogleg", "dot"),
+    "powell": ("dogleg", "dot"),
 }
 """Label and dash of every method."""
 STEERS: Mapping[Method, str] = {
-    "levenberg-marquardt": "damping λ", "gauss-newton": "share of the step", "powell": "radius of trust",
+    "levenberg-marquardt": "λ", "gauss-newton": "step share", "powell": "radius",
 }  # fmt: skip
 """What each method steers with."""
 
