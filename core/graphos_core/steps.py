@@ -178,14 +178,16 @@ def _adjustment(pipeline: Pipeline, folder: Path, run: Run) -> Any:
 
 
 def _known(pipeline: Pipeline) -> Any:
+    from graphos_core.exchange.known import known_tables
+
     settings = pipeline.project.settings
     digests = []
     pattern = "control*" if settings.control else "control_distances*"
     for path in sorted(pipeline.project.folder.glob(pattern)):
         digests.append([path.name, file_digest(path)])
-    extra = pipeline.project.folder / KNOWN
-    if extra.is_file():
-        digests.append([KNOWN, file_digest(extra)])
+    for path in (pipeline.project.folder / KNOWN, *known_tables(pipeline.project.folder / KNOWN)):
+        if path.is_file():
+            digests.append([path.name, file_digest(path)])
     return {"control": digests, "distance": settings.distance}
 
 

@@ -213,17 +213,17 @@ class Significance:
     camera : int
     parameter : str
     value, sigma : float
-        In the parameter's unit; `value` is the difference from the value tested against (0, or the start value for
-        the principal distance and point).
+        In the parameter's unit. The value is tested against 0; the principal distance and point, which a camera has
+        whatever they are, count as significant.
     t : float
         |value| / sigma.
     limit : float
         Limit of `t` at the chosen error probability.
     significant : bool
     correlation : float
-        Largest absolute correlation with another unknown of the same camera.
+        The largest in absolute value with another unknown of the same camera, 0 without another.
     correlated_with : str
-        That unknown.
+        That unknown; empty without another.
     """
 
     camera: int

@@ -16,7 +16,7 @@
     lever_arm_m = [0.0, 0.0, 0.0]    # antenna in the camera frame: x right, y down, z forward
     lever_arm = "given"              # or "estimated"
 
-    [attitudes]                      # from an inertial system: photo,omega,phi,kappa in degrees
+    [attitudes]                      # from an inertial system: photo,omega,phi,kappa of its body in degrees
     source = "ins.csv"
     sigma_deg = [0.01, 0.01, 0.02]
     boresight_deg = [0.0, 0.0, 0.0]  # rotation vector cam_from_body
@@ -98,9 +98,20 @@ def read_known(path: Path, first: Known, photos: PhotoSet) -> Known:
         )
     try:
         return _known(path, content, first, photos)
-    except (KeyError, TypeError, ValueError) as problem:
+    except (AttributeError, KeyError, TypeError, ValueError) as problem:
         what = Text("{key} is missing", key=problem) if isinstance(problem, KeyError) else str(problem)
         raise _bad(path, what) from problem
+
+
+def known_tables(path: Path) -> tuple[Path, ...]:
+    """Return the tables that a file names; none where it cannot be read, which `read_known` says."""
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
+        return ()
+    sections = [content.get(name) for name in ("gnss", "attitudes")]
+    sources = [section.get("source") for section in sections if isinstance(section, dict)]
+    return tuple(path.parent / name for name in sources if isinstance(name, str) and name != "photos")
 
 
 def _bad(path: Path, why: str) -> UserError:
@@ -128,7 +139,9 @@ def _known(path: Path, content: dict[str, Any], first: Known, photos: PhotoSet) 
 
 def _centres(path: Path, section: dict[str, Any], origin: Array, photos: PhotoSet) -> KnownCentres:
     names, xyz, sigma = read_positions(path, str(section.get("source", "photos")), origin, photos)
-    usual = _vector(section.get("sigma_m", [3.0, 3.0, 5.0]), "sigma_m")
+    usual = _above_zero(section.get("sigma_m", [3.0, 3.0, 5.0]), "sigma_m")
+    if not (sigma[np.isfinite(sigma)] > 0).all():
+        raise ValueError(f"a standard deviation in {section['source']} is not above 0")
     return KnownCentres(
         photo=names, xyz=xyz, sigma=np.where(np.isfinite(sigma), sigma, usual),
         lever_arm=_vector(section.get("lever_arm_m", [0.0, 0.0, 0.0]), "lever_arm_m"),
@@ -138,12 +151,12 @@ def _centres(path: Path, section: dict[str, Any], origin: Array, photos: PhotoSe
 
 def _attitudes(path: Path, section: dict[str, Any]) -> KnownAttitudes:
     names, rotations = read_attitudes(path, str(section["source"]))
-    sigma = np.radians(_vector(section.get("sigma_deg", [0.01, 0.01, 0.02]), "sigma_deg"))
+    sigma = np.radians(_above_zero(section.get("sigma_deg", [0.01, 0.01, 0.02]), "sigma_deg"))
     boresight = matrix_from_vector(
         np.radians(_vector(section.get("boresight_deg", [0.0, 0.0, 0.0]), "boresight_deg"))
     )
     return KnownAttitudes(
-        photo=names, rotations=boresight.T @ rotations, sigma=np.tile(sigma, (len(names), 1)), boresight=boresight,
+        photo=names, rotations=rotations, sigma=np.tile(sigma, (len(names), 1)), boresight=boresight,
         boresight_free=_choice(section.get("boresight", "given"), "boresight"),
     )  # fmt: skip
 
@@ -185,6 +198,13 @@ def _vector(value: Any, name: str) -> Array:
     vector = np.array(value, dtype=np.float64)
     if vector.shape != (3,) or not np.isfinite(vector).all():
         raise ValueError(f"{name} is {value}, needs three numbers")
+    return vector
+
+
+def _above_zero(value: Any, name: str) -> Array:
+    vector = _vector(value, name)
+    if not (vector > 0).all():
+        raise ValueError(f"{name} is {value}, needs three numbers above 0")
     return vector
 
 

@@ -41,6 +41,9 @@ def read_positions(
 def _from_photos(photos: PhotoSet) -> tuple[tuple[str, ...], Array, Array]:
     """Return EXIF positions in a frame east, north, up at their mean."""
     known = [p for p in photos.photos if p.exif.latitude_deg is not None and p.exif.longitude_deg is not None]
+    known = [
+        p for p in known if p.exif.altitude_m is not None
+    ] or known  # a missing height is not the height 0
     if not known:
         raise UserError("The photos say no positions.", "None of them has GNSS coordinates in its EXIF.",
                         "Give a table of positions, or take the section [gnss] out.", learn="adjustment/gnss")  # fmt: skip
@@ -50,7 +53,10 @@ def _from_photos(photos: PhotoSet) -> tuple[tuple[str, ...], Array, Array]:
 
 
 def read_attitudes(beside: Path, source: str) -> tuple[tuple[str, ...], Array]:
-    """Return the photos and ``cam_from_world`` (k, 3, 3) of a table ``photo,omega,phi,kappa`` in degrees."""
+    """Return the photos and ``body_from_world`` (k, 3, 3) of a table ``photo,omega,phi,kappa`` in degrees.
+
+    The axes of the body are those of a camera: x right, y down, z forward where the boresight is the identity.
+    """
     names, columns = _table(inside(beside.parent, source), ("omega", "phi", "kappa"), ())
     return names, np.array([matrix_from_opk(*np.radians(row)) for row in columns])
 

@@ -12,7 +12,7 @@ from graphos_core.errors import UserError
 from graphos_core.exchange.control import read_control
 from graphos_core.exchange.coordinates import local_tangent_frame, metric_coordinates
 from graphos_core.exchange.known import __doc__ as documentation
-from graphos_core.exchange.known import read_known
+from graphos_core.exchange.known import known_tables, read_known
 from graphos_core.geometry.rotation import opk_from_matrix
 
 ORIGIN = np.array([500000.0, 5800000.0, 0.0])
@@ -59,6 +59,8 @@ def test_the_documented_file_is_read_as_it_says(tmp_path: Path) -> None:
         ("[gnss]\nsource='absent.csv'\n", "could not be read"),
         ("[gnss]\nsource='../../outside.csv'\n", "outside"),
         ("[gnss]\nlever_arm='maybe'\n", "given"),
+        ("gnss = 3", "cannot be used"),
+        ("[gnss]\nsigma_m=[0.0, 1.0, 1.0]\n", "above 0"),
         ("[[rig]]\nphotos=[['a','b']]\ncentres=[[0,0,0]]\n", "2 cameras needs 2 centres"),
         ("not toml", "could not be read"),
     ],
@@ -68,6 +70,24 @@ def test_what_makes_no_sense_is_refused_with_a_sentence(tmp_path: Path, text: st
     photos = PhotoSet(photos=(photo("a", 50.0, 8.0, 100.0),), cameras=())
     with pytest.raises(UserError, match=said):
         read_known(tmp_path / "known.toml", first(), photos)
+
+
+def test_a_given_boresight_turns_the_photos_against_the_body(tmp_path: Path) -> None:
+    (tmp_path / "known.toml").write_text("[attitudes]\nsource='ins.csv'\nboresight_deg=[0, 0, 90]\n")
+    (tmp_path / "ins.csv").write_text("photo,omega,phi,kappa\na.jpg,1,-2,30\n")
+    given = read_known(tmp_path / "known.toml", first(), NOBODY).attitudes
+    assert given is not None
+    np.testing.assert_allclose(np.degrees(opk_from_matrix(given.rotations[0])), [1.0, -2.0, 30.0])
+    photo = given.boresight @ given.rotations[0]  # what the adjustment expects of the photo
+    turned = photo @ given.rotations[0].T
+    np.testing.assert_allclose(turned, [[0, -1, 0], [1, 0, 0], [0, 0, 1]], atol=1e-12)
+
+
+def test_the_tables_a_file_names_are_known_to_the_store(tmp_path: Path) -> None:
+    (tmp_path / "known.toml").write_text("[gnss]\nsource='gnss.csv'\n[attitudes]\nsource='ins.csv'\n")
+    assert [path.name for path in known_tables(tmp_path / "known.toml")] == ["gnss.csv", "ins.csv"]
+    (tmp_path / "known.toml").write_text("[gnss]\nsource='photos'\n")
+    assert known_tables(tmp_path / "known.toml") == () == known_tables(tmp_path / "absent.toml")
 
 
 def test_a_bad_line_of_a_table_is_named(tmp_path: Path) -> None:

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from graphos_core.adjustment.bundle import gauss_newton, levenberg_marquardt, powell, result_kernels
 from graphos_core.adjustment.bundle.covariance import cofactors
 from graphos_core.adjustment.bundle.datum import DatumKind
-from graphos_core.adjustment.bundle.kernels import Rules
-from graphos_core.adjustment.bundle.known.group import Group
+from graphos_core.adjustment.bundle.kernels import Rules, Scene
+from graphos_core.adjustment.bundle.known.group import Columns, Group
 from graphos_core.adjustment.bundle.levenberg_marquardt import Solution
 from graphos_core.adjustment.bundle.outcome import outcome
 from graphos_core.adjustment.bundle.problem import Freedom, Problem, make_problem, select, usable
@@ -156,20 +156,27 @@ def _without_hidden(
     smaller, points = select(block, keep)
     place = np.full(len(block.points), -1)
     place[points] = np.arange(len(points))
-    groups = [moved for g in problem.groups if (moved := _renumber(g, problem, place, len(block.names)))]
+    groups = [
+        moved
+        for group, at in zip(problem.groups, problem.columns, strict=True)
+        if (moved := _renumber(group, at, problem.order, place, solution.scene)) is not None
+    ]
     left = make_problem(smaller, replace(freedom, fixed_points=fixed[points]), groups)
-    scene = left.scene._replace(extra=solution.scene.extra) if len(left.scene.extra) else left.scene
-    return left, replace(solution, scene=scene)
+    return left, replace(solution, scene=left.scene)
 
 
-def _renumber(group: Group, problem: Problem, place: Array, photos: int) -> Group | None:
-    """Return a group whose points are those of the smaller block."""
-    at = problem.columns[problem.groups.index(group)]
+def _renumber(group: Group, at: Columns, order: Array, place: Array, scene: Scene) -> Group | None:
+    """Return a group whose points are those of the smaller block and whose own unknowns start as adjusted."""
     now = np.full(len(at.point), -1)
     there = at.point >= 0
-    now[there] = place[problem.order[at.point[there]]]
-    rest = group.restrict(now >= 0, np.ones(photos, dtype=bool))
-    if rest is None or not len(rest.points):
-        return rest
-    fields = {name: now[getattr(rest, name)] for name in ("point", "a", "b") if hasattr(rest, name)}
+    now[there] = place[order[at.point[there]]]
+    rest = group.restrict(now >= 0, np.ones(len(scene.centres), dtype=bool))
+    if rest is None:
+        return None
+    fields: dict[str, Any] = {}
+    if len(rest.points):
+        fields = {name: now[getattr(rest, name)] for name in ("point", "a", "b") if hasattr(rest, name)}
+    if rest.extras:
+        found = scene.extra[at.extra_value : at.extra_value + len(rest.extras)]
+        fields["extras"] = tuple(replace(e, value=float(v)) for e, v in zip(rest.extras, found, strict=True))
     return replace(rest, **fields)  # type: ignore[type-var]

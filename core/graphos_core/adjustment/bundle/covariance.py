@@ -37,7 +37,7 @@ class Cofactors:
     datum : str
         How the datum was defined.
     singular : bool
-        Whether more than the datum was undetermined; a pseudo-inverse was then taken.
+        Whether more than the datum was undetermined; the unknowns concerned have enormous cofactors then.
     null : float64 (u, d)
         The free motions, see `graphos_core.adjustment.bundle.datum.gauge`.
     findings : tuple of Finding
@@ -77,8 +77,7 @@ def cofactors(
     equations = system.build(scene, 0.0)
     null = datum.gauge(problem, scene)
     held = datum.constraints(problem, scene, null, kind)
-    reduced, defective = _inverse(equations.matrix, null, held)
-    findings = defects(problem, defective, SMALLEST_PIVOT) if defective is not None else ()
+    reduced, free = _inverse(equations.matrix, null, held)
     points = np.zeros((len(scene.points), 3, 3))
     m = len(problem.layout.photo) if delta0 >= 0.0 else 0
     redundancy, effect = np.zeros((m, 2)), np.zeros((m, 2))
@@ -99,20 +98,29 @@ def cofactors(
     system.each_chunk(one)
     defect = null.shape[1]
     return Cofactors(
-        reduced, points, defect, datum.describe(problem, defect, kind), defective is not None, null,
-        (*findings, *datum_findings(null, scene, problem)),
+        reduced, points, defect, datum.describe(problem, defect, kind), free.shape[1] > 0, null,
+        (*defects(problem, free), *datum_findings(null, scene, problem)),
         redundancy if m else None, effect if m else None,
     )  # fmt: skip
 
 
-def _inverse(matrix: Array, null: Array, held: Array) -> tuple[Array, Array | None]:
+def _inverse(matrix: Array, null: Array, held: Array) -> tuple[Array, Array]:
     """Invert the reduced matrix (upper triangle) under the conditions ``heldᵀ x = 0``; scaled to unit diagonal first.
 
-    Returns the inverse and, where the matrix is singular all the same, the scaled matrix with its conditions.
+    Where the matrix is singular all the same, its eigenvalues are raised to `SMALLEST_PIVOT`: what nothing determines
+    gets a standard deviation millions of times that of a determined unknown, and all that depends on it too.
+
+    Returns
+    -------
+    float64 (u, u)
+        The inverse.
+    float64 (u, k)
+        Null vectors of the scaled matrix with its conditions, none where it is regular.
     """
     u = len(matrix)
+    free = np.zeros((u, 0))
     if u == 0:
-        return np.zeros((0, 0)), None
+        return np.zeros((0, 0)), free
     scale = np.sqrt(np.maximum(matrix.diagonal(), 0.0))
     scale[scale == 0.0] = 1.0
     scaled = np.triu(matrix) / scale[:, None] / scale
@@ -120,14 +128,14 @@ def _inverse(matrix: Array, null: Array, held: Array) -> tuple[Array, Array | No
     motion = null * scale[:, None]
     regular = scaled + np.triu(constraints @ constraints.T)
     factor, info = lapack.dpotrf(regular.T, lower=1, clean=0)
-    full = None
     if info != 0 or np.any(factor.diagonal() ** 2 < SMALLEST_PIVOT):
-        full = regular + np.triu(regular, 1).T
-        inverse = np.linalg.pinv(full, rcond=SMALLEST_PIVOT, hermitian=True)
+        values, vectors = np.linalg.eigh(regular, UPLO="U")
+        inverse = (vectors / np.maximum(values, SMALLEST_PIVOT)) @ vectors.T
+        free = vectors[:, : max(int((values < SMALLEST_PIVOT).sum()), 1)]
     else:
         half, _ = lapack.dpotri(factor, lower=1, overwrite_c=1)
         inverse = np.tril(half) + np.tril(half, -1).T
     if null.shape[1]:
         left = np.linalg.solve((constraints.T @ motion).T, motion.T).T
         inverse -= left @ left.T
-    return inverse / scale[:, None] / scale, full
+    return inverse / scale[:, None] / scale, free

@@ -41,8 +41,10 @@ def gauge(problem: Problem, scene: Scene) -> Array:
         moved = np.asarray(others.jacobian @ motions) * unit
         own = others.jacobian[:, extra].toarray()
         reach = np.maximum(np.linalg.norm(own, axis=0), 1e-300)
+        could = np.asarray(abs(others.jacobian) @ np.abs(motions)) * unit  # rounding alone holds nothing
         rows = np.hstack([moved, own / reach])
-        held.append(rows / np.maximum(np.linalg.norm(rows, axis=1), 1e-300)[:, None])
+        most = np.linalg.norm(np.hstack([could, own / reach]), axis=1)
+        held.append(rows / np.maximum(most, 1e-300)[:, None])
     basis = _null_space(np.vstack(held))
     found = motions @ (unit[:, None] * basis[:MOTIONS])
     found[extra] += basis[MOTIONS:] / reach[:, None]
@@ -146,7 +148,8 @@ def describe(problem: Problem, defect: int, kind: DatumKind = "inner") -> str:
     if fixed_photos:
         held.append(f"{fixed_photos} fixed photos")
     names = {"datum": "the scale at its start"}
-    held += sorted({names.get(g.kind, g.kind) for g in problem.groups if g.kind not in ("camera", "rig")})
+    holding = [g for g in problem.groups if g.kind != "camera" and not (g.kind == "rig" and g.extras)]
+    held += sorted({names.get(g.kind, g.kind) for g in holding})
     if defect == 0:
         return " and ".join(held)
     how = "inner constraints on" if kind == "inner" else "minimal constraints among"

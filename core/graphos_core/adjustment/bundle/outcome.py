@@ -9,6 +9,7 @@ import numpy as np
 from graphos_core.adjustment.bundle import datum
 from graphos_core.adjustment.bundle.covariance import Cofactors
 from graphos_core.adjustment.bundle.known import assembly
+from graphos_core.adjustment.bundle.known.build import is_measured
 from graphos_core.adjustment.bundle.levenberg_marquardt import Solution
 from graphos_core.adjustment.bundle.problem import Problem
 from graphos_core.adjustment.statistics.groups import image_group, other_groups
@@ -98,7 +99,7 @@ def _sigma0(squares: float, redundancy: int, observations: int, unknowns: int, r
         return float(np.sqrt(squares / redundancy))
     run.warn(Text(
         "The block has no redundancy ({observations} observations, {unknowns} unknowns): sigma0 cannot be "
-        "computed and is taken as 1 px.", observations=observations, unknowns=unknowns,
+        "computed and is taken as 1.", observations=observations, unknowns=unknowns,
     ))  # fmt: skip
     return 1.0
 
@@ -116,7 +117,7 @@ def _groups(
     residuals, weights = misfit
     named = np.zeros(len(problem.order), dtype=bool)
     named[problem.order] = (problem.layout.point_column >= 0) | problem.fixed
-    mine = named[np.asarray(problem.block.obs_point)]
+    mine = (named | is_measured(problem.block))[np.asarray(problem.block.obs_point)]
     out = []
     for kind, part in (("tie points", ~mine), ("control image points", mine)):
         if part.any():
@@ -142,7 +143,7 @@ def _root(covariance: Array) -> Array:
 
 def _covariance(problem: Problem, found: Cofactors, sigma0: float) -> Covariance:
     layout, n = problem.layout, len(problem.layout.pose)
-    scale = sigma0**2
+    scale = max(sigma0**2, float(np.finfo(float).tiny))  # 0 · ∞ of undetermined points is not a number
     cameras = [np.zeros((len(camera.values), len(camera.values))) for camera in problem.block.cameras]
     photos = np.zeros((n, 6, 6))
     for i in np.flatnonzero(layout.width > 0):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from graphos_core.adjustment.bundle.kernels import Scene
@@ -16,30 +18,20 @@ PART = 0.1
 MOST = 8
 """Defects that are described at most; the rest are of the same kind."""
 
-LARGEST = 4000
-"""Beyond this number of reduced unknowns null vectors are not computed."""
 
-
-def defects(problem: Problem, matrix: Array, relative: float) -> tuple[Finding, ...]:
-    """Describe the null vectors of a reduced matrix whose datum is fixed.
+def defects(problem: Problem, free: Array) -> tuple[Finding, ...]:
+    """Describe what the observations leave free beside the datum.
 
     Parameters
     ----------
     problem : Problem
-    matrix : float64 (u, u)
-        Symmetric, scaled to unit diagonal, datum conditions added.
-    relative : float
-        Eigenvalues below this are zero.
+    free : float64 (u, k)
+        Null vectors of the reduced matrix, which is scaled to unit diagonal and whose datum is fixed.
     """
-    u = len(matrix)
-    if u > LARGEST:
-        return (Finding(severity="error", what="Some unknowns cannot be determined.",
-                        todo="Look for photos and cameras with few points.", learn="adjustment/rank-defects"),)  # fmt: skip
-    values, vectors = np.linalg.eigh(matrix)
-    names = names_of(problem)
+    names = names_of(problem) if free.shape[1] else []
     found = []
-    for k in np.flatnonzero(values < relative)[:MOST]:
-        share = np.abs(vectors[:, k])
+    for vector in free.T[:MOST]:
+        share = np.abs(vector)
         parts = np.flatnonzero(share > PART * share.max())
         found.append(_finding([names[i] for i in parts[np.argsort(-share[parts])]]))
     return tuple(found)
@@ -59,11 +51,32 @@ def names_of(problem: Problem) -> list[tuple[str, str, str]]:
         _camera(problem, c, layout.camera_column[c], layout.free_count[c], out)
     for i in np.flatnonzero(layout.point_column >= 0).tolist():
         for axis in range(3):
-            out[layout.point_column[i] + axis] = ("point", str(problem.order[i]), "XYZ"[axis])
+            out[layout.point_column[i] + axis] = ("point", point_name(problem.order[i]), "XYZ"[axis])
     first = problem.unknowns - sum(len(group.extras) for group in problem.groups)
     for k, extra in enumerate(extra for group in problem.groups for extra in group.extras):
         out[first + k] = ("extra", extra.name, "")
     return out
+
+
+def point_name(index: int) -> str:
+    """Return what a point of the adjusted block is called as long as nobody knows its name."""
+    return f"point {index}"
+
+
+def with_names(findings: tuple[Finding, ...], names: dict[str, int]) -> tuple[Finding, ...]:
+    """Return the findings of `defects` with the names (name → index into the block's points) that points have."""
+    name_of = {point_name(index): name for name, index in names.items()}
+    out = []
+    for finding in findings:
+        known = {item: name_of[item] for item in finding.items if item in name_of}
+        why = finding.why
+        if known and isinstance(why, Text) and "listed" in why.arguments:
+            listed = why.arguments["listed"]
+            for old, new in known.items():
+                listed = listed.replace(f"{old}: ", f"{new}: ")
+            why = Text(why.template, **(why.arguments | {"listed": listed}))
+        out.append(replace(finding, why=why, items=tuple(known.get(item, item) for item in finding.items)))
+    return tuple(out)
 
 
 def _camera(problem: Problem, c: int, column: int, count: int, out: list[tuple[str, str, str]]) -> None:
@@ -129,18 +142,19 @@ def _free_kinds(null: Array, scene: Scene, problem: Problem) -> list[str]:
     centres = np.stack([null[layout.photo_column[n] + 3 : layout.photo_column[n] + 6] for n in photos])
     turns = np.stack([null[layout.photo_column[n] : layout.photo_column[n] + 3] for n in photos])
     relative = scene.centres[photos] - scene.centres[photos].mean(axis=0)
-    moved = centres - centres.mean(axis=0)
     size = float((relative**2).sum()) or 1.0
-    growth = np.einsum("na,nad->d", relative, moved) / size
-    shift = np.linalg.norm(centres.mean(axis=0), axis=0) / np.sqrt(size)
-    turned = np.linalg.norm(turns, axis=1).max(axis=0)
-    largest = max(float(np.abs(growth).max()), float(shift.max()), float(turned.max()), 1e-300)
-    found = []
-    for kind, value in (
-        ("scale", np.abs(growth).max()),
-        ("position", shift.max()),
-        ("rotation", turned.max()),
-    ):
-        if value > 1e-6 * largest:
-            found.append(kind)
-    return found
+    growth = np.einsum("na,nad->d", relative, centres) / size
+    spin = np.einsum("nai,nad->id", scene.rotations[photos], turns) / len(photos)
+    shift = centres.mean(axis=0) / np.sqrt(size)
+    about = np.vstack([growth, spin])
+    limit = 1e-6 * max(float(np.abs(about).max()), float(np.abs(shift).max()), 1e-300)
+    # turned about a held point the middle of the photos moves too: free is what moves without turn and growth
+    moves = np.linalg.matrix_rank(np.vstack([about, shift]), tol=limit) > np.linalg.matrix_rank(
+        about, tol=limit
+    )
+    free = {
+        "scale": np.abs(growth).max() > limit,
+        "position": moves,
+        "rotation": np.abs(spin).max() > limit,
+    }
+    return [kind for kind, is_free in free.items() if is_free]

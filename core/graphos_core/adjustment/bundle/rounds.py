@@ -16,6 +16,7 @@ from graphos_core.adjustment.bundle.known.build import (
     observe,
 )
 from graphos_core.adjustment.bundle.problem import Freedom
+from graphos_core.adjustment.bundle.rank import with_names
 from graphos_core.adjustment.bundle.rejection import normalised, robust_spread, without_long
 from graphos_core.adjustment.bundle.schur import SCALE_SIGMAS, Named
 from graphos_core.adjustment.bundle.self_calibration import (
@@ -139,7 +140,8 @@ class Rounds:
         track = np.where(is_measured(result.block), -1, result.block.point_track).astype(np.int32)
         groups = tuple(replace(g, factor=self._factors.get(g.kind, 1.0)) for g in result.groups)
         prior = self._tie_sigma * self._factors.get("tie points", 1.0)
-        result = replace(result, prior_px=prior, sigma0_px=result.sigma0 * prior)
+        result = replace(result, prior_px=prior, sigma0_px=result.sigma0 * prior,
+                         findings=with_names(result.findings, named.place))  # fmt: skip
         if self.params.tie_sigma_px is None:  # the weights come from the residuals: their test says nothing
             result = replace(result, global_test=None)
         return replace(result, block=replace(result.block, point_track=track), groups=groups), named
@@ -190,10 +192,9 @@ class Rounds:
         """
         for _ in range(MOST_COMPONENTS):
             change = 0.0
-            for group in result.groups:
-                if group.redundancy > FEWEST_REDUNDANT and np.isfinite(group.sigma0) and group.sigma0 > 0:
-                    self._factors[group.kind] = self._factors.get(group.kind, 1.0) * group.sigma0
-                    change = max(change, abs(np.log(group.sigma0)))
+            for kind, component in _components_of(result).items():
+                self._factors[kind] = self._factors.get(kind, 1.0) * component
+                change = max(change, abs(np.log(component)))
             if change < CHANGED:
                 break
             self.block = self._relative(result.block)
@@ -252,3 +253,18 @@ class Rounds:
         self._spread = spread
         if self.params.tie_sigma_px is None:
             self._tie_sigma = spread
+
+
+def _components_of(result: Adjustment) -> dict[str, float]:
+    """Return the root of the variance component of each kind of observations; priors and conditions have none."""
+    squares: dict[str, float] = {}
+    redundancy: dict[str, float] = {}
+    for group in result.groups:
+        if group.kind not in ("camera", "datum"):
+            squares[group.kind] = squares.get(group.kind, 0.0) + group.squares
+            redundancy[group.kind] = redundancy.get(group.kind, 0.0) + group.redundancy
+    return {
+        kind: float(np.sqrt(squares[kind] / share))
+        for kind, share in redundancy.items()
+        if share > FEWEST_REDUNDANT and squares[kind] > 0.0
+    }

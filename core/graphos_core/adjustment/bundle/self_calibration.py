@@ -57,16 +57,17 @@ class Calibrated:
     priors: tuple[tuple[int, str, float], ...] = ()
 
     def prior_group(self, block: Block) -> tuple[CameraValues, ...]:
-        """Return the start values as observations."""
-        if not self.priors:
+        """Return the start values of the cameras that took oriented photos, as observations."""
+        priors = [prior for prior in self.priors if _used(block, prior[0])]
+        if not priors:
             return ()
-        camera = np.array([c for c, _, _ in self.priors])
-        place = [camera_model(block.cameras[c].model).index(name) for c, name, _ in self.priors]
+        camera = np.array([c for c, _, _ in priors])
+        place = [camera_model(block.cameras[c].model).index(name) for c, name, _ in priors]
         return (CameraValues(
             camera=camera, parameter=np.array(place),
             observed=np.array([block.cameras[c].values[i] for c, i in zip(camera, place, strict=True)]),
-            sigma=np.array([sigma for _, _, sigma in self.priors]),
-            labels=[f"{block.cameras[c].label or f'Camera {c + 1}'}: {name}" for c, name, _ in self.priors],
+            sigma=np.array([sigma for _, _, sigma in priors]),
+            labels=[f"{block.cameras[c].label or f'Camera {c + 1}'}: {name}" for c, name, _ in priors],
         ),)  # fmt: skip
 
     def only(self, interior: tuple[tuple[str, ...], ...]) -> Calibrated:

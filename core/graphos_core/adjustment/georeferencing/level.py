@@ -12,6 +12,9 @@ from graphos_core.text import Text
 
 AXES = {"x axis": 0, "y axis": 1, "z axis": 2, "vertical line": 2}
 
+SAME = 1e-3
+"""Sine of the angle below which two directions are the same, and share of the extent below which points are one line."""
+
 
 def levelled(block: Block, known: Known, points: MeasuredPoints, run: Run) -> Similarity | None:
     """Return the rotation that makes planes horizontal and axes point along X, Y, Z; None where nothing says so.
@@ -41,6 +44,11 @@ def levelled(block: Block, known: Known, points: MeasuredPoints, run: Run) -> Si
             run.warn(Text("The {kind} does not turn the block: {count} of its points are measured in two oriented "
                           "photos, {need} are needed.", kind=shape.kind, count=len(xyz), need=need))  # fmt: skip
             continue
+        extent = np.linalg.svd(xyz - xyz.mean(axis=0), compute_uv=False)
+        if extent[need - 2] <= SAME * extent[0]:
+            run.warn(Text("The {kind} does not turn the block: its points are {what}.", kind=shape.kind,
+                          what="on one line" if need == 3 and extent[0] > 0 else "one and the same"))  # fmt: skip
+            continue
         origin = xyz[0] if origin is None else origin
         if shape.kind == "horizontal plane":
             up = _normal(xyz, np.asarray(block.centres[np.asarray(block.oriented)]))
@@ -48,6 +56,10 @@ def levelled(block: Block, known: Known, points: MeasuredPoints, run: Run) -> Si
             up = (xyz[-1] - xyz[0]) if up is None else up
         else:
             azimuth = (AXES[shape.kind], xyz[-1] - xyz[0])
+    if up is not None and azimuth is not None and _parallel(up, azimuth[1]):
+        run.warn(Text("The {axis} axis does not turn the block: its points stand above each other.",
+                      axis="XYZ"[azimuth[0]]))  # fmt: skip
+        azimuth = None
     if up is None and azimuth is None:
         return None
     turn = _frame(up, azimuth)
@@ -65,6 +77,11 @@ def _normal(xyz: Array, centres: Array) -> Array:
     middle = xyz.mean(axis=0)
     normal = np.linalg.svd(xyz - middle)[2][2]
     return np.asarray(normal if (centres - middle).mean(axis=0) @ normal > 0 else -normal)
+
+
+def _parallel(a: Array, b: Array) -> bool:
+    """Say whether two directions hardly differ, or one of them has no length."""
+    return bool(np.linalg.norm(np.cross(a, b)) <= SAME * np.linalg.norm(a) * np.linalg.norm(b))
 
 
 def _frame(up: Array | None, azimuth: tuple[int, Array] | None) -> Array:

@@ -45,11 +45,12 @@ def significance(adjustment: Adjustment, alpha: float) -> tuple[Significance, ..
             others = np.abs(matrix[i])
             others[i] = 0.0
             most = int(np.argmax(others))
+            alone = others[most] == 0.0
             value = float(camera.values[i])
             t = abs(value) / sigma
             out.append(Significance(
                 camera=c, parameter=name, value=value, sigma=sigma, t=t, limit=limit,
-                significant=name in INTERIOR or t > limit, correlation=float(matrix[i, most]),
-                correlated_with=names[most] if others[most] > 0 else "",
+                significant=name in INTERIOR or t > limit, correlation=0.0 if alone else float(matrix[i, most]),
+                correlated_with="" if alone else names[most],
             ))  # fmt: skip
     return tuple(out)

@@ -208,8 +208,7 @@ def _held_scale(block: Block, groups: Sequence[Group]) -> list[Group]:
     Without it the block would shrink until those residuals vanish.
     """
     kinds = {group.kind for group in groups}
-    scaled = {"control coordinates", "distances", "projection centres"} & kinds
-    if scaled or not {"planes", "lines", "axes", "rig"} & kinds:
+    if any(_scales(group) for group in groups) or not {"planes", "lines", "axes", "rig"} & kinds:
         return []
     photos = np.flatnonzero(block.oriented)
     centres = np.asarray(block.centres)[photos]
@@ -219,6 +218,13 @@ def _held_scale(block: Block, groups: Sequence[Group]) -> list[Group]:
     label = f"{block.names[photos[a]]}–{block.names[photos[b]]}"
     return [Distances(photos[[a]], photos[[b]], np.array([length]), np.array([1e-6 * length]), [label], True,
                       block.unit, "datum")]  # fmt: skip
+
+
+def _scales(group: Group) -> bool:
+    """Say whether a group gives the scale: given lengths and places, and rigs whose base is given."""
+    if isinstance(group, Rig):
+        return not group.extras and bool(np.any(group.centres))
+    return group.kind in ("control coordinates", "distances", "projection centres")
 
 
 def _there(block: Block, names: Sequence[str], what: str, run: Run) -> tuple[Array, Array]:

@@ -1,0 +1,105 @@
+"""Several groups of one kind, groups that lose members, cameras that take no part: counts and weights stay right."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from graphos_core.adjustment.bundle.adjust import Options, adjust_block
+from graphos_core.adjustment.bundle.known.build import Defaults, join_measured, observe
+from graphos_core.adjustment.bundle.problem import Freedom
+from graphos_core.adjustment.bundle.schur import adjust
+from graphos_core.adjustment.bundle.self_calibration import Calibrated
+from graphos_core.adjustment.bundle.sheet import BundleParams
+from graphos_core.adjustment.statistics.diagnosis import diagnosed
+from graphos_core.data import Known, KnownDistance
+from graphos_core.run import Run
+from graphos_core.simulation.consistency import SIGMA_PX, simulate
+from tests.core.adjustment.bundle.test_known_observations import known_of
+
+DEFAULTS = Defaults(measured_px=0.3, threshold_px=300.0)
+
+
+def test_an_observation_behind_its_camera_leaves_the_groups_as_they_are(make_block) -> None:
+    truth = make_block(points=40).truth
+    known = replace(known_of(truth), rigs=())
+    joined = join_measured(truth, known, DEFAULTS)
+    observed = observe(joined, known, DEFAULTS, Run())
+    points = np.array(joined.points)
+    points[0] = truth.centres[0] + 0.5 * (truth.centres[0] - truth.points.mean(axis=0))
+    found = adjust_block(
+        replace(joined, points=points), Freedom(), Options(max_iterations=8), observed.groups
+    )
+    assert len(found.block.obs_xy) < len(joined.obs_xy)
+    assert [group.kind for group in found.groups[2:]] == [group.kind for group in observed.groups]
+    assert [g.count for g in found.groups[2:]] == [len(g.sigma) for g in observed.groups]
+    arm = [extra.value for extra in found.extras if extra.name.startswith("lever arm")]
+    np.testing.assert_allclose(arm, [0.05, -0.1, 0.02], atol=1e-3)  # kept as adjusted, not started again
+
+
+def test_a_rig_with_a_given_base_gives_the_scale_and_no_direction(make_block) -> None:
+    truth = make_block(points=60).truth
+    (rig,) = known_of(truth).rigs
+    known = Known(rigs=(replace(rig, free=False, photos=rig.photos[:1]),))
+    twice = replace(truth, centres=2.0 * truth.centres, points=2.0 * truth.points)
+    groups = observe(twice, known, DEFAULTS, Run()).groups
+    assert [group.kind for group in groups] == ["rig"]
+    found = adjust_block(twice, Freedom(), Options(max_iterations=100), groups)
+    base = np.linalg.norm(found.block.centres[1] - found.block.centres[0])
+    assert base == pytest.approx(np.linalg.norm(rig.centres[1]), rel=1e-6)
+    assert "6 conditions" in found.datum and found.datum.startswith("rig")
+
+
+def test_the_prior_of_a_camera_without_photos_is_no_observation(make_block) -> None:
+    truth = make_block(points=40).truth
+    block = replace(truth, cameras=truth.cameras * 2)
+    free = (("focal_px",), ("focal_px",))
+    calibrated = Calibrated(free, ((0, "focal_px", 1.0), (1, "focal_px", 1.0)))
+    found = adjust_block(block, Freedom(interior=free), Options(), calibrated.prior_group(block))
+    assert found.observations == 2 * len(found.block.obs_xy) + 1
+
+
+def test_check_points_do_not_pass_for_tie_points() -> None:
+    case = simulate("basic", ("control",), 1)
+    params = BundleParams(calibration="fixed", control="check", measured_sigma_px=5.0)
+    found = adjust(replace(case.block, obs_sigma_px=None), case.known, params, run=Run(threads=1))
+    counts = {group.kind: group.count for group in found.groups}
+    assert counts["tie points"] == 2 * len(case.block.obs_xy)
+    assert found.prior_px == pytest.approx(SIGMA_PX, rel=0.02)
+
+
+def test_variance_components_pool_the_groups_of_one_kind() -> None:
+    case = simulate("basic", ("control",), 2)
+    rng, truth = np.random.default_rng(4), case.truth
+    control = case.known.control
+    assert control is not None
+    given, noise = 0.001, 0.006
+    pairs = [(f"T{i}", f"T{i + 6}") for i in range(6)]
+    photos = [(truth.names[i], truth.names[i + 5]) for i in range(5)] + [(truth.names[0], truth.names[3])]
+    place = dict(zip(control.names, simulate("basic", ("control",), 0).known.control.xyz, strict=True))
+    place = {**place, **dict(zip(truth.names, truth.centres, strict=True))}
+    distances = tuple(
+        KnownDistance(
+            a=a, b=b, metres=float(np.linalg.norm(place[a] - place[b]) + rng.normal(0, noise)), sigma=given
+        )
+        for a, b in (*pairs, *photos)
+    )
+    params = BundleParams(calibration="fixed", measured_sigma_px=0.3, variance_components=True)
+    known = replace(case.known, distances=distances)
+    found = adjust(replace(case.block, obs_sigma_px=None), known, params, run=Run(threads=1))
+    parts = [group for group in found.groups if group.kind == "distances"]
+    assert len(parts) == 2 and all(group.redundancy > 2 for group in parts)
+    pooled = sum(g.squares for g in parts) / sum(g.redundancy for g in parts)
+    assert pooled == pytest.approx(1.0, abs=0.1)
+    assert parts[0].factor == pytest.approx(noise / given, rel=0.6)
+
+
+def test_a_single_free_parameter_is_correlated_with_nothing(make_block) -> None:
+    made = make_block(points=60)
+    found = adjust_block(made.start, Freedom(interior=(("focal_px",),)), Options(reliability=True))
+    told = diagnosed(found, Known(), [], 0.001, Run())
+    (tested,) = told.significance
+    assert tested.parameter == "focal_px" and tested.correlation == 0.0 and tested.correlated_with == ""
+    assert not any("correlated" in finding.what for finding in told.findings)
