@@ -20,6 +20,8 @@ from graphos_py.translation import tr
 from graphos_py.views.plot_view import PlotView
 from graphos_py.views.table_view import Column, TableView
 
+MOST_CAMERAS = 3
+"""Cameras whose principal distance has a column."""
 PLAY_MS, WHOLE_MS = 700, 15_000
 """Longest time of one iteration, and of all together, while playing."""
 
@@ -195,6 +197,21 @@ def iteration_columns(records: Sequence[IterationRecord]) -> list[Column]:
         Column(tr("gradient"), [record.gradient for record in records], digits=3,
                help=tr("Largest element of the gradient.")),
         Column(tr("accepted"), [bool(record.accepted) for record in records]),
+        *_interior_columns(records),
+    ]  # fmt: skip
+
+
+def _interior_columns(records: Sequence[IterationRecord]) -> list[Column]:
+    """Return the principal distance of the first cameras after every iteration."""
+    known = [record.interior for record in records]
+    if any(values is None for values in known):
+        return []
+    cameras = min(len(values) for values in known if values is not None)
+    return [
+        Column(tr("f") if cameras == 1 else tr("f, camera {n}", n=c + 1),
+               [float(values[c, 0]) for values in known if values is not None], "px", digits=7,
+               help=tr("Principal distance after the iteration."))
+        for c in range(min(cameras, MOST_CAMERAS))
     ]  # fmt: skip
 
 

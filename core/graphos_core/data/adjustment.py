@@ -23,6 +23,8 @@ class IterationRecord:
     gradient : float
         Largest element of the gradient, absolute.
     accepted : bool
+    interior : float64 (c, k) or None
+        Parameters of every camera after the iteration, in the order of its model.
     """
 
     iteration: int
@@ -31,6 +33,7 @@ class IterationRecord:
     damping: float
     gradient: float
     accepted: bool
+    interior: Array | None = None
 
 
 @record

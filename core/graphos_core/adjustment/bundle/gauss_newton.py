@@ -30,7 +30,7 @@ def minimise(system: ReducedSystem, max_iterations: int, tolerance: float, *, ru
     equations = system.build(scene, 0.0)
     cost = equations.cost
     records = [IterationRecord(iteration=0, cost=cost, step=0.0, damping=1.0, gradient=equations.largest_gradient,
-                               accepted=True)]  # fmt: skip
+                               accepted=True, interior=scene.values.copy())]  # fmt: skip
     run.show("iteration", records[0])
     reason = f"stopped after the largest number of iterations, {max_iterations}"
     for iteration in range(1, max_iterations + 1):
@@ -46,6 +46,7 @@ def minimise(system: ReducedSystem, max_iterations: int, tolerance: float, *, ru
         records.append(IterationRecord(
             iteration=iteration, cost=cost if moved is None else moved.cost, step=relative, damping=share,
             gradient=equations.largest_gradient, accepted=moved is not None,
+            interior=(scene if moved is None else moved.scene).values.copy(),
         ))  # fmt: skip
         run.show("iteration", records[-1])
         if predicted <= tolerance * cost:

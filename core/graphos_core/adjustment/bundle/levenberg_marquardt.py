@@ -64,6 +64,7 @@ def minimise(system: ReducedSystem, max_iterations: int, tolerance: float, *, ru
     cost = equations.cost
     records = [IterationRecord(
         iteration=0, cost=cost, step=0.0, damping=damping, gradient=equations.largest_gradient, accepted=True,
+        interior=scene.values.copy(),
     )]  # fmt: skip
     run.show("iteration", records[0])
     reason = f"stopped after the largest number of iterations, {max_iterations}"
@@ -80,6 +81,7 @@ def minimise(system: ReducedSystem, max_iterations: int, tolerance: float, *, ru
         records.append(IterationRecord(
             iteration=iteration, cost=moved.cost if moved is not None and accepted else cost, step=relative,
             damping=damping, gradient=equations.largest_gradient, accepted=accepted,
+            interior=(moved.scene if moved is not None and accepted else scene).values.copy(),
         ))  # fmt: skip
         run.show("iteration", records[-1])
         if moved is not None and moved.predicted <= tolerance * cost and moved.lost == 0:

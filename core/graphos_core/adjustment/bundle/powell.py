@@ -64,7 +64,7 @@ def minimise(system: ReducedSystem, max_iterations: int, tolerance: float, *, ru
     equations = system.build(scene, 0.0)
     cost = equations.cost
     records = [IterationRecord(iteration=0, cost=cost, step=0.0, damping=1.0, gradient=equations.largest_gradient,
-                               accepted=True)]  # fmt: skip
+                               accepted=True, interior=scene.values.copy())]  # fmt: skip
     run.show("iteration", records[0])
     reason = f"stopped after the largest number of iterations, {max_iterations}"
     model: _Model | None = None
@@ -86,6 +86,7 @@ def minimise(system: ReducedSystem, max_iterations: int, tolerance: float, *, ru
         records.append(IterationRecord(
             iteration=iteration, cost=moved.cost if accepted else cost, step=moved.step / max(moved.size, 1e-300),
             damping=radius / first, gradient=equations.largest_gradient, accepted=accepted,
+            interior=(moved.scene if accepted else scene).values.copy(),
         ))  # fmt: skip
         run.show("iteration", records[-1])
         if model.predicted(1.0, 0.0) <= tolerance * cost:

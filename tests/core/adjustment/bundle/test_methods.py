@@ -54,3 +54,11 @@ def test_the_dogleg_model_predicts_what_a_small_blend_gains(make_block, shares: 
         moved = blended(system, equations, model, shares)
     gain = equations.cost - moved.cost
     assert gain == pytest.approx(model.predicted(*shares), rel=5e-3)
+
+
+@pytest.mark.parametrize("method", ["levenberg-marquardt", "gauss-newton", "powell"])
+def test_the_trace_tells_how_the_camera_moved(make_block, method: str) -> None:
+    made = make_block(points=120)
+    found = adjust_block(made.start, FREE, Options(method=method))
+    assert np.array_equal(found.iterations[0].interior[0], made.start.cameras[0].values)
+    assert np.array_equal(found.iterations[-1].interior[0], found.block.cameras[0].values)
