@@ -8,7 +8,7 @@ from __future__ import annotations
 import hashlib
 import inspect
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import cv2
 import numpy as np
 
-from graphos_core.data import Array, Block, Cloud, Features, PhotoSet
+from graphos_core.data import Array, Block, Cloud, Features, Finding, PhotoSet
 from graphos_core.errors import UserError
 from graphos_core.images import read_pixels
 from graphos_core.number_format import format_value
@@ -172,6 +172,14 @@ def _adjustment(pipeline: Pipeline, folder: Path, run: Run) -> Any:
     placed = pipeline.value("georeference")
     block = with_scale_sigma(placed.block, pipeline.value("matches").tracks, pipeline.value("keypoints"))
     adjusted = algorithm.function(block, known, params, run=run)
+    placing = tuple(
+        Finding(
+            severity="warning", what=line, learn="adjustment/georeferencing",
+            why="Found while the block was placed, before it was adjusted; what else is wrong may follow from it.",
+        )
+        for line in pipeline.about("georeference").get("warnings", [])
+    )  # fmt: skip
+    adjusted = replace(adjusted, findings=(*placing, *adjusted.findings))
     return AdjustmentResult(
         adjustment=adjusted, georeference=placed_again(adjusted, placed.georeference, known)
     )

@@ -59,11 +59,25 @@ from graphos_core.data import (
     PhotoSet,
 )
 from graphos_core.errors import UserError
+from graphos_core.exchange.known_values import (
+    KEYS,
+    names,
+    number,
+    positive,
+    positive_vector,
+    section,
+    sections,
+    vector,
+    vectors,
+    word,
+    yes,
+)
 from graphos_core.exchange.photo_tables import read_attitudes, read_positions
 from graphos_core.geometry.rotation import matrix_from_vector
 from graphos_core.text import Text
 
-SECTIONS = ("distance", "gnss", "attitudes", "shape", "rig")
+SHAPES = ("horizontal plane", "plane", "line", "vertical line", "x axis", "y axis", "z axis")
+GIVEN = ("given", "estimated")
 
 
 def read_known(path: Path, first: Known, photos: PhotoSet) -> Known:
@@ -90,16 +104,16 @@ def read_known(path: Path, first: Known, photos: PhotoSet) -> Known:
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as problem:
         raise UserError(Text("{name} could not be read.", name=path.name), Text("It says: {why}.", why=problem),
                         "Correct the file; it is TOML.") from problem  # fmt: skip
-    unknown = [name for name in content if name not in SECTIONS]
+    unknown = [name for name in content if name not in KEYS]
     if unknown:
         raise _bad(
             path,
-            Text("there is no section “{name}”; there are {all}", name=unknown[0], all=", ".join(SECTIONS)),
+            Text("there is no section “{name}”; there are {all}", name=unknown[0], all=", ".join(KEYS)),
         )
     try:
         return _known(path, content, first, photos)
-    except (AttributeError, KeyError, TypeError, ValueError) as problem:
-        what = Text("{key} is missing", key=problem) if isinstance(problem, KeyError) else str(problem)
+    except (KeyError, TypeError, ValueError) as problem:
+        what = Text("{key} is missing", key=problem) if isinstance(problem, KeyError) else problem.args[0]
         raise _bad(path, what) from problem
 
 
@@ -121,94 +135,71 @@ def _bad(path: Path, why: str) -> UserError:
 
 def _known(path: Path, content: dict[str, Any], first: Known, photos: PhotoSet) -> Known:
     origin = np.zeros(3) if first.control is None else first.control.origin
-    distances = tuple(
-        KnownDistance(
-            a=str(d["a"]), b=str(d["b"]), metres=_positive(d["metres"], "metres"),
-            sigma=None if d.get("sigma") is None else _positive(d["sigma"], "sigma"), check=bool(d.get("check", False)),
-        )
-        for d in content.get("distance", ())
-    )  # fmt: skip
     return replace(
-        first, distances=first.distances + distances,
-        centres=_centres(path, content["gnss"], origin, photos) if "gnss" in content else None,
-        attitudes=_attitudes(path, content["attitudes"]) if "attitudes" in content else None,
-        shapes=tuple(_shape(s) for s in content.get("shape", ())),
-        rigs=tuple(_rig(r) for r in content.get("rig", ())),
+        first, distances=first.distances + tuple(_distance(d) for d in sections(content, "distance")),
+        centres=_centres(path, section(content, "gnss"), origin, photos) if "gnss" in content else None,
+        attitudes=_attitudes(path, section(content, "attitudes")) if "attitudes" in content else None,
+        shapes=tuple(_shape(s) for s in sections(content, "shape")),
+        rigs=tuple(_rig(r) for r in sections(content, "rig")),
+    )  # fmt: skip
+
+
+def _distance(section: dict[str, Any]) -> KnownDistance:
+    a, b = names([section["a"], section["b"]], "a distance")
+    sigma = section.get("sigma")
+    return KnownDistance(
+        a=a, b=b, metres=positive(section["metres"], "metres"),
+        sigma=None if sigma is None else positive(sigma, "sigma"), check=yes(section.get("check", False), "check"),
     )  # fmt: skip
 
 
 def _centres(path: Path, section: dict[str, Any], origin: Array, photos: PhotoSet) -> KnownCentres:
-    names, xyz, sigma = read_positions(path, str(section.get("source", "photos")), origin, photos)
-    usual = _above_zero(section.get("sigma_m", [3.0, 3.0, 5.0]), "sigma_m")
-    if not (sigma[np.isfinite(sigma)] > 0).all():
-        raise ValueError(f"a standard deviation in {section['source']} is not above 0")
+    of, xyz, sigma = read_positions(path, str(section.get("source", "photos")), origin, photos)
+    usual = positive_vector(section.get("sigma_m", [3.0, 3.0, 5.0]), "sigma_m")
     return KnownCentres(
-        photo=names, xyz=xyz, sigma=np.where(np.isfinite(sigma), sigma, usual),
-        lever_arm=_vector(section.get("lever_arm_m", [0.0, 0.0, 0.0]), "lever_arm_m"),
-        lever_arm_free=_choice(section.get("lever_arm", "given"), "lever_arm"),
+        photo=of, xyz=xyz, sigma=np.where(np.isfinite(sigma), sigma, usual),
+        lever_arm=vector(section.get("lever_arm_m", [0.0, 0.0, 0.0]), "lever_arm_m"),
+        lever_arm_free=word(section.get("lever_arm", "given"), "lever_arm", GIVEN) == "estimated",
     )  # fmt: skip
 
 
 def _attitudes(path: Path, section: dict[str, Any]) -> KnownAttitudes:
-    names, rotations = read_attitudes(path, str(section["source"]))
-    sigma = np.radians(_above_zero(section.get("sigma_deg", [0.01, 0.01, 0.02]), "sigma_deg"))
+    of, rotations = read_attitudes(path, str(section["source"]))
+    sigma = np.radians(positive_vector(section.get("sigma_deg", [0.01, 0.01, 0.02]), "sigma_deg"))
     boresight = matrix_from_vector(
-        np.radians(_vector(section.get("boresight_deg", [0.0, 0.0, 0.0]), "boresight_deg"))
+        np.radians(vector(section.get("boresight_deg", [0.0, 0.0, 0.0]), "boresight_deg"))
     )
     return KnownAttitudes(
-        photo=names, rotations=rotations, sigma=np.tile(sigma, (len(names), 1)), boresight=boresight,
-        boresight_free=_choice(section.get("boresight", "given"), "boresight"),
+        photo=of, rotations=rotations, sigma=np.tile(sigma, (len(of), 1)), boresight=boresight,
+        boresight_free=word(section.get("boresight", "given"), "boresight", GIVEN) == "estimated",
     )  # fmt: skip
 
 
 def _shape(section: dict[str, Any]) -> KnownShape:
     value = section.get("value")
     return KnownShape(
-        kind=str(section["kind"]), points=tuple(str(p) for p in section["points"]),
-        sigma=_positive(section.get("sigma_m", 0.01), "sigma_m"), value=None if value is None else float(value),
+        kind=word(section["kind"], "kind", SHAPES), points=names(section["points"], "points"),
+        sigma=positive(section.get("sigma_m", 0.01), "sigma_m"), value=None if value is None else number(value, "value"),
         name=str(section.get("name", "")),
     )  # fmt: skip
 
 
 def _rig(section: dict[str, Any]) -> KnownRig:
-    photos = tuple(tuple(str(p) for p in moment) for moment in section["photos"])
-    count = max((len(moment) for moment in photos), default=0)
-    centres = np.array(section.get("centres", np.zeros((count, 3))), dtype=np.float64)
-    turns = np.radians(np.array(section.get("rotations_deg", np.zeros((count, 3))), dtype=np.float64))
-    if centres.shape != (count, 3) or turns.shape != (count, 3) or not np.isfinite([centres, turns]).all():
+    moments = section["photos"]
+    if not isinstance(moments, list) or not moments:
         raise ValueError(
-            f"a rig of {count} cameras needs {count} centres and {count} rotations of three numbers each"
+            Text("photos is {value}, needs a list of names for each moment", value=str(moments)[:40])
         )
+    photos = tuple(names(moment, "a moment in photos", empty=True) for moment in moments)
+    count = max(len(moment) for moment in photos)
+    if count < 2:
+        raise ValueError("a rig has moments of one photo each, needs two or more cameras")
+    nothing = [[0.0, 0.0, 0.0]] * count
+    centres = vectors(section.get("centres", nothing), "centres", count)
+    turns = np.radians(vectors(section.get("rotations_deg", nothing), "rotations_deg", count))
     return KnownRig(
         photos=photos, rotations=np.array([matrix_from_vector(t) for t in turns]), centres=centres,
-        sigma_rotation=float(np.radians(_positive(section.get("sigma_deg", 1e-3), "sigma_deg"))),
-        sigma_centre=_positive(section.get("sigma", 1e-4), "sigma"), free=bool(section.get("free", True)),
+        sigma_rotation=float(np.radians(positive(section.get("sigma_deg", 1e-3), "sigma_deg"))),
+        sigma_centre=positive(section.get("sigma", 1e-4), "sigma"), free=yes(section.get("free", True), "free"),
         name=str(section.get("name", "")),
     )  # fmt: skip
-
-
-def _positive(value: Any, name: str) -> float:
-    number = float(value)
-    if not (np.isfinite(number) and number > 0):
-        raise ValueError(f"{name} is {value}, needs a number above 0")
-    return number
-
-
-def _vector(value: Any, name: str) -> Array:
-    vector = np.array(value, dtype=np.float64)
-    if vector.shape != (3,) or not np.isfinite(vector).all():
-        raise ValueError(f"{name} is {value}, needs three numbers")
-    return vector
-
-
-def _above_zero(value: Any, name: str) -> Array:
-    vector = _vector(value, name)
-    if not (vector > 0).all():
-        raise ValueError(f"{name} is {value}, needs three numbers above 0")
-    return vector
-
-
-def _choice(value: Any, name: str) -> bool:
-    if value not in ("given", "estimated"):
-        raise ValueError(f"{name} is {value}, needs “given” or “estimated”")
-    return bool(value == "estimated")

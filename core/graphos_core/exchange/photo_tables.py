@@ -35,12 +35,18 @@ def read_positions(
     if source == "photos":
         return _from_photos(photos)
     names, columns = _table(inside(beside.parent, source), ("x", "y", "z"), SIGMAS)
+    wrong = np.flatnonzero((columns[:, 3:] <= 0).any(axis=1))
+    if len(wrong):
+        raise UserError(Text("{name} cannot be used.", name=source),
+                        Text("A standard deviation of {photo} is not above 0.", photo=names[wrong[0]]),
+                        "Give standard deviations in m, or leave the cell empty.", learn="adjustment/gnss")  # fmt: skip
     return names, columns[:, :3] - origin, columns[:, 3:]
 
 
 def _from_photos(photos: PhotoSet) -> tuple[tuple[str, ...], Array, Array]:
     """Return EXIF positions in a frame east, north, up at their mean."""
-    known = [p for p in photos.photos if p.exif.latitude_deg is not None and p.exif.longitude_deg is not None]
+    known = [p for p in photos.photos if p.exif.latitude_deg is not None and p.exif.longitude_deg is not None
+             and math.isfinite(p.exif.latitude_deg + p.exif.longitude_deg + (p.exif.altitude_m or 0.0))]  # fmt: skip
     known = [
         p for p in known if p.exif.altitude_m is not None
     ] or known  # a missing height is not the height 0
@@ -66,8 +72,9 @@ def _table(path: Path, needed: tuple[str, ...], optional: tuple[str, ...]) -> tu
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as problem:
-        raise UserError(Text("The table {name} could not be read.", name=path.name), str(problem),
-                        "Check its name and that it is a text file.") from problem  # fmt: skip
+        why = problem.strerror if isinstance(problem, OSError) and problem.strerror else str(problem)
+        raise UserError(Text("The table {name} could not be read.", name=path.name),
+                        Text("The system says: {why}.", why=why), "Check its name and that it is a text file.") from problem  # fmt: skip
     lines = [
         (i, line) for i, line in enumerate(text.splitlines(), 1) if line.strip() and not line.startswith("#")
     ]
@@ -84,7 +91,11 @@ def _table(path: Path, needed: tuple[str, ...], optional: tuple[str, ...]) -> tu
     for number, line in lines[1:]:
         cells = next(csv.reader([line], delimiter=delimiter))
         row = dict(zip(header, (cell.strip() for cell in cells), strict=False))
-        names.append(row.get("photo", ""))
+        name = row.get("photo", "")
+        if not name or name in names:
+            raise _bad_line(path, number, Text("the photo {name} occurs twice", name=name) if name
+                            else Text("the name of the photo is missing"))  # fmt: skip
+        names.append(name)
         rows.append([_number(path, number, row.get(c, ""), c) for c in needed]
                     + [_number(path, number, row[c], c) if row.get(c) else math.nan for c in optional])  # fmt: skip
     return tuple(names), np.array(rows, dtype=np.float64).reshape(-1, len(needed) + len(optional))
@@ -96,7 +107,10 @@ def _number(path: Path, line: int, text: str, column: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise UserError(Text("{name}, line {line}, could not be read.", name=path.name, line=line),
-                        Text("There {column} is “{text}”, not a number.", column=column, text=text[:40]),
-                        "Correct the line.")  # fmt: skip
+        raise _bad_line(path, line, Text("{column} is “{text}”, not a number", column=column, text=text[:40]))
     return value
+
+
+def _bad_line(path: Path, line: int, why: str) -> UserError:
+    return UserError(Text("{name}, line {line}, could not be read.", name=path.name, line=line),
+                     Text("There {why}.", why=why), "Correct the line.")  # fmt: skip

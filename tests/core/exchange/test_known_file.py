@@ -63,10 +63,29 @@ def test_the_documented_file_is_read_as_it_says(tmp_path: Path) -> None:
         ("[gnss]\nsigma_m=[0.0, 1.0, 1.0]\n", "above 0"),
         ("[[rig]]\nphotos=[['a','b']]\ncentres=[[0,0,0]]\n", "2 cameras needs 2 centres"),
         ("not toml", "could not be read"),
+        ("gnss = 3", "write .gnss. above"),
+        ("shape = ['x']", "write ..shape.. above"),
+        ("[[distance]]\na='A'\nb='A'\nmetres=1\n", "A twice"),
+        ("[[distance]]\na='A'\nb='B'\nmetres=nan\n", "metres is nan"),
+        ("[[distance]]\na='A'\nb='B'\nmetres='much'\n", "metres is much"),
+        ("[[distance]]\na='A'\nb='B'\nmetres=1\nsgima=3\n", "“sgima” is nothing.*sigma"),
+        ("[[shape]]\nkind='circle'\npoints=['A']\n", "kind is circle, needs one of: horizontal plane"),
+        ("[[shape]]\nkind='plane'\npoints='ABCD'\n", "needs a list of names"),
+        ("[[shape]]\nkind='horizontal plane'\npoints=['A','B']\nvalue=nan\n", "value is nan"),
+        ("[gnss]\nsigma_m=[0,1,1]\n", "sigma_m is 0.0, needs a number above 0"),
+        ("[gnss]\nsource='wrong.csv'\n", "standard deviation of a is not above 0"),
+        ("[gnss]\nsource='twice.csv'\n", "line 3.*a occurs twice"),
+        ("[attitudes]\nsource='ins.csv'\nboresight_deg=[inf,0,0]\n", "boresight_deg is inf"),
+        ("[[rig]]\nphotos=['a','b']\n", "needs a list of names"),
+        ("[[rig]]\nphotos=[['a','a']]\n", "a twice"),
+        ("[[rig]]\nphotos=[['a','b']]\nfree='no'\n", "true or false"),
     ],
 )
 def test_what_makes_no_sense_is_refused_with_a_sentence(tmp_path: Path, text: str, said: str) -> None:
     (tmp_path / "known.toml").write_text(text)
+    (tmp_path / "wrong.csv").write_text("photo,x,y,z,sx,sy,sz\na,1,2,3,-1,1,1\n")
+    (tmp_path / "twice.csv").write_text("photo,x,y,z\na,1,2,3\na,4,5,6\n")
+    (tmp_path / "ins.csv").write_text("photo,omega,phi,kappa\na,1,2,3\n")
     photos = PhotoSet(photos=(photo("a", 50.0, 8.0, 100.0),), cameras=())
     with pytest.raises(UserError, match=said):
         read_known(tmp_path / "known.toml", first(), photos)
@@ -136,3 +155,11 @@ def test_standard_deviations_roles_and_unknown_heights_of_control(tmp_path: Path
     path.write_text("name,x,y,z,sigma\nA,1,2,3,-1\n")
     with pytest.raises(UserError, match=r"line 2.*negative"):
         read_control(path)
+
+
+def test_photos_whose_position_is_no_number_are_left_out(tmp_path: Path) -> None:
+    (tmp_path / "known.toml").write_text("[gnss]\n")
+    photos = PhotoSet(photos=(photo("a", 50.0, 8.0, 100.0), photo("b", 50.0, 8.0, float("nan"))), cameras=())
+    known = read_known(tmp_path / "known.toml", Known(), photos)
+    assert known.centres is not None and known.centres.photo == ("a",)
+    assert np.isfinite(known.centres.xyz).all()

@@ -7,13 +7,18 @@ from typing import Annotated, Literal
 
 import numpy as np
 
+from graphos_core.adjustment.georeferencing.known_scale import compare_scales, scale_of
 from graphos_core.adjustment.georeferencing.level import levelled
 from graphos_core.adjustment.georeferencing.measured_points import (
     MeasuredPoints,
     intersect_measured,
     photo_indices,
 )
-from graphos_core.adjustment.georeferencing.suspicions import name_suspicions
+from graphos_core.adjustment.georeferencing.suspicions import (
+    look_like_degrees,
+    name_below,
+    name_suspicions,
+)
 from graphos_core.data import Adjustment, Array, Block, Control, Georeference, Known, KnownDistance
 from graphos_core.errors import UserError
 from graphos_core.geometry.similarity import Similarity, estimate_similarity
@@ -114,7 +119,7 @@ def place_by_similarity(
         given = np.asarray(np.isfinite(control.xyz).all(axis=1)) & ~_off(control)
         usable = points.found & given & ~control.check
         if usable.sum() >= 3:
-            return _by_control(block, control, points, usable, run)
+            return _by_control(block, known, points, usable, run)
         if not (by_distance or by_centres) and (given & ~control.check).any():
             raise _too_few(control, points, given)
     if by_centres:
@@ -172,20 +177,29 @@ def _off(control: Control) -> Array:
 
 
 def _by_control(
-    block: Block, control: Control, points: MeasuredPoints, usable: Array, run: Run
+    block: Block, known: Known, points: MeasuredPoints, usable: Array, run: Run
 ) -> tuple[Block, Georeference]:
+    control = known.control
+    assert control is not None
     spread = np.linalg.svd(control.xyz[usable] - control.xyz[usable].mean(axis=0), compute_uv=False)
     if spread[1] < ON_LINE * spread[0]:
         raise UserError(
             "The block cannot be placed: its control points lie on one line.",
-            "The rotation about that line is free.",
-            "Measure a control point away from the line.",
+            "X and Y look like degrees beside heights in metres."
+            if look_like_degrees(control.xyz[usable])
+            else "The rotation about that line is free.",
+            "Give projected coordinates, or name the coordinate system of the table (EPSG code)."
+            if look_like_degrees(control.xyz[usable])
+            else "Measure a control point away from the line.",
             learn="adjustment/georeferencing",
         )
     world_from_model = estimate_similarity(points.xyz[usable], control.xyz[usable])
     result = _georeference("control points", world_from_model, control, points)
     names = np.array(control.names)[usable].tolist()
-    name_suspicions(names, points.xyz[usable], control.xyz[usable], run)
+    name_suspicions(names, points.xyz[usable], control.xyz[usable], run, origin=control.origin)
+    oriented = np.asarray(block.oriented)
+    compare_scales(block, known, points, world_from_model.scale, run)
+    name_below(control.xyz[usable], world_from_model.apply(block.centres[oriented]), run)
     run.say(Text("Placed by {count} control points, {rms:.4g} m per coordinate.", count=int(usable.sum()),
                  rms=result.rms_m))  # fmt: skip
     return transform_block(block, world_from_model, "m"), result
@@ -208,6 +222,8 @@ def _by_centres(
             rest = world_from_model.apply(block.centres[photo[use]]) - given
             run.say(Text("Placed by the positions of {count} photos, {rms:.3g} m per coordinate.", count=len(use),
                          rms=_rms(rest)))  # fmt: skip
+            names = [block.names[n] for n in photo[use]]
+            name_suspicions(names, block.centres[photo[use]], given, run, what="positions of the photos")
             reference = _georeference("projection centres", world_from_model, known.control, points)
             return transform_block(block, world_from_model, "m"), reference
     run.warn(Text("The positions of the photos do not place the block: {count} of them are oriented, and three that "
@@ -222,7 +238,7 @@ def _levelled_and_scaled(
     method, unit = "none" if turn is None else "planes and axes", block.unit
     world_from_model = NOTHING if turn is None else turn
     if distances:
-        ratios = [_ratio(block, known.control, points, distance) for distance in distances]
+        ratios = [scale_of(distance, block, known.control, points) for distance in distances]
         scale = float(np.median(ratios))
         world_from_model = Similarity(scale, world_from_model.rotation, scale * world_from_model.translation)
         method, unit = "known distance", "m"
@@ -230,43 +246,6 @@ def _levelled_and_scaled(
         return block, _georeference("none", NOTHING, known.control)
     return transform_block(block, world_from_model, unit), _georeference(
         method, world_from_model, known.control
-    )
-
-
-def _ratio(block: Block, control: Control | None, points: MeasuredPoints, distance: KnownDistance) -> float:
-    """Return metres per model unit by one distance."""
-    a, b = (_position(name, block, control, points, distance) for name in (distance.a, distance.b))
-    length = float(np.linalg.norm(a - b))
-    if not (np.isfinite(distance.metres) and distance.metres > 0 and length > 0):
-        raise UserError(
-            "The known distance gives no scale.",
-            Text(
-                "Between {a} and {b} it is {metres:g} m, in the model {length:g} units.",
-                a=distance.a, b=distance.b, metres=distance.metres, length=length,
-            ),
-            "Give two different points and a distance above zero.",
-            learn="adjustment/georeferencing",
-        )  # fmt: skip
-    return distance.metres / length
-
-
-def _position(
-    name: str,
-    block: Block,
-    control: Control | None,
-    points: MeasuredPoints,
-    distance: KnownDistance,
-) -> Array:
-    """Position of a measured point, or of the projection centre of a photo, in model units."""
-    if control is not None and name in control.names and points.found[control.names.index(name)]:
-        return points.xyz[control.names.index(name)]
-    if name in block.names and block.oriented[block.names.index(name)]:
-        return block.centres[block.names.index(name)]
-    raise UserError(
-        Text("The known distance from {a} to {b} cannot be used.", a=distance.a, b=distance.b),
-        Text("{name} is neither a point measured in two oriented photos nor an oriented photo.", name=name),
-        "Measure both end points in at least two photos each, or name two oriented photos.",
-        learn="adjustment/georeferencing",
     )
 
 

@@ -1,9 +1,9 @@
-"""What the residuals of an absolute orientation say about wrong control points: blunders, axes, units, degrees."""
+"""What the residuals of an absolute orientation say about wrong coordinates: blunders, axes, units, degrees."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import permutations
+from itertools import combinations, islice
 
 import numpy as np
 
@@ -13,17 +13,42 @@ from graphos_core.run import Run
 from graphos_core.text import Text
 
 OUTLIER = 5.0
-"""A control point that misses by more than this many times the point RMS of the others is named."""
+"""A point that misses by more than this many times the point RMS of the others is named."""
 
 BAD_FIT = 0.02
-"""Residuals beyond this share of the extent of the control points are a wrong system rather than noise."""
+"""Residuals beyond this share of the extent of the points are a wrong system rather than noise."""
 
 BETTER = 0.1
-"""Another order of the axes is named when it lowers the residuals to this share."""
+"""Another reading of the coordinates is named when it lowers the residuals to this share."""
+
+EXACT = 1e-6
+"""Residuals below this share of the extent are not looked into."""
+
+FLAT = 0.1
+"""Points whose heights differ by less than this share of their extent lie in about a horizontal plane."""
+
+DEGREE_M = 111_320.0
+"""Length of a degree of latitude, m."""
+
+READINGS = {
+    1e-3: ("mm", "m"), 1e-2: ("cm", "m"), 0.3048: ("ft", "m"), 1.0 / 0.3048: ("m", "ft"), 1e2: ("m", "cm"),
+    1e3: ("m", "mm"),
+}  # fmt: skip
+"""What some coordinates are multiplied by to agree with others: their unit, and that of the others."""
+
+IN_DEGREES = Text(
+    "they look like longitude and latitude in degrees beside heights in metres and fit the block badly. Give projected "
+    "coordinates, or name the coordinate system of the table (EPSG code)."
+)
+
+MOST_TRIPLES = 300
 
 
-def name_suspicions(names: Sequence[str], model: Array, world: Array, run: Run) -> None:
-    """Warn of what looks wrong with the coordinates of control points.
+def name_suspicions(
+    names: Sequence[str], model: Array, world: Array, run: Run, *, origin: Array | None = None,
+    what: str = "control points",
+) -> None:  # fmt: skip
+    """Warn of what looks wrong with the coordinates of points: the first of the readings that explains the misfit.
 
     Parameters
     ----------
@@ -31,59 +56,144 @@ def name_suspicions(names: Sequence[str], model: Array, world: Array, run: Run) 
     model, world : float64 (n, 3)
         The same points in the block and as given.
     run : Run
+    origin : float64 (3,), optional
+        Local origin that was taken off `world`.
+    what : str
+        What the points are.
     """
-    if _degrees(world, model, run) or _axes(model, world, run):
+    if _fit(model, world) < EXACT:
         return
-    _blunder(names, model, world, run)
+    whole = world if origin is None else world + origin
+    found = (
+        _degrees(model, world)
+        or _left_handed(model, world)
+        or _unit_of_axis(model, world)
+        or _unit_of_rows(names, model, whole)
+        or _blunder(names, model, world)
+    )
+    if found is not None:
+        run.warn(Text("{what}: {found}", what=what[:1].upper() + what[1:], found=found))
+    elif _fit(model, world) > BAD_FIT:
+        run.warn(Text(
+            "The {what} do not fit the block: {now:.3g} m per coordinate at an extent of {extent:.3g} m. Names may be "
+            "mixed up, or the coordinates belong to another object.", what=what, now=_fit(model, world) * _extent(world),
+            extent=_extent(world),
+        ))  # fmt: skip
+
+
+def name_below(world: Array, centres: Array, run: Run) -> None:
+    """Warn where all photos look at horizontally spread control points from below.
+
+    Points in a plane fit their mirror image as well, so exchanged axes show nowhere but on which side the cameras are.
+
+    Parameters
+    ----------
+    world : float64 (n, 3)
+        Control points.
+    centres : float64 (k, 3)
+        Projection centres, in the same frame.
+    run : Run
+    """
+    extent = np.ptp(world, axis=0)
+    if extent[2] < FLAT * float(np.hypot(extent[0], extent[1])) and centres[:, 2].max() < world[:, 2].min():
+        run.warn(
+            "All photos lie below the control points, which are in about a horizontal plane. Unless it is a ceiling, X "
+            "and Y are exchanged (surveyors write north first), or the sign of an axis is wrong."
+        )
+
+
+def _extent(world: Array) -> float:
+    return float(np.linalg.norm(np.ptp(world, axis=0))) or 1.0
 
 
 def _fit(model: Array, world: Array) -> float:
+    """Return the RMS per coordinate that a similarity leaves, as a share of the extent."""
     rest = estimate_similarity(model, world).apply(model) - world
-    return float(np.sqrt((rest**2).mean()))
+    return float(np.sqrt((rest**2).mean())) / _extent(world)
 
 
-def _degrees(world: Array, model: Array, run: Run) -> bool:
-    """Say whether the first two axes look like degrees beside a height in metres."""
-    small = np.abs(world[:, :2]).max() <= 180.0
-    extent = np.ptp(world, axis=0)
-    flat = 0 < np.hypot(extent[0], extent[1]) < 1e-2 * max(extent[2], 1.0)
-    if not (small and flat and _fit(model, world) > BAD_FIT * np.linalg.norm(extent)):
-        return False
-    run.warn(Text(
-        "The control points look like longitude and latitude in degrees beside heights in metres: they fit the block "
-        "badly. Give projected coordinates, or name the coordinate system of the table (EPSG code)."
-    ))  # fmt: skip
-    return True
-
-
-def _axes(model: Array, world: Array, run: Run) -> bool:
-    """Say whether the points fit much better with axes exchanged or turned round."""
-    extent = float(np.linalg.norm(np.ptp(world, axis=0)))
+def _degrees(model: Array, world: Array) -> str | None:
+    """Look whether the first two axes are degrees beside a height in metres."""
     now = _fit(model, world)
-    if len(world) < 4 or now < BAD_FIT * extent:
-        return False
+    if np.abs(world[:, :2]).max() > 180.0 or now < BAD_FIT:
+        return None
+    fits = [
+        _fit(model, np.column_stack([
+            world[:, 1 - lat] * np.cos(np.radians(world[:, lat])) * DEGREE_M, world[:, lat] * DEGREE_M, world[:, 2],
+        ]))
+        for lat in (0, 1)
+    ]  # fmt: skip
+    return IN_DEGREES if look_like_degrees(world) or (len(world) >= 4 and min(fits) < BETTER * now) else None
+
+
+def look_like_degrees(world: Array) -> bool:
+    """Say whether points (n, 3) differ so little in X and Y, beside their heights, that those may be degrees."""
+    extent = np.ptp(world, axis=0)
+    narrow = 0 < np.hypot(extent[0], extent[1]) < 1e-2 * max(extent[2], 1.0)
+    return bool(np.abs(world[:, :2]).max() <= 180.0 and narrow)
+
+
+def _left_handed(model: Array, world: Array) -> str | None:
+    """Look whether the mirror image fits much better; which axes are exchanged, nothing can tell."""
+    now, mirrored = _fit(model, world), _fit(model, world * [1.0, 1.0, -1.0])
+    if len(world) < 4 or mirrored > BETTER * now:
+        return None
+    return Text(
+        "they do not fit the block ({now:.3g} m per coordinate), but their mirror image does ({best:.3g} m): the table "
+        "exchanges axes or is left-handed. Exchange X and Y (surveyors write north first), or turn the sign of one axis.",
+        now=now * _extent(world), best=mirrored * _extent(world),
+    )  # fmt: skip
+
+
+def _unit_of_axis(model: Array, world: Array) -> str | None:
+    """Look whether one axis is in another unit than the two others."""
+    now = _fit(model, world)
+    if len(world) < 4 or now < BAD_FIT:
+        return None
     tried = []
-    for order in permutations(range(3)):
-        for signs in ((1, 1, 1), (1, 1, -1)):  # one sign: the others are rotations of these
-            if (order, signs) != ((0, 1, 2), (1, 1, 1)):
-                tried.append((_fit(model, world[:, order] * signs), order, signs))
-    best, order, signs = min(tried)
+    for axis in range(3):
+        for factor in READINGS:
+            scale = np.ones(3)
+            scale[axis] = factor
+            tried.append((_fit(model, world * scale), "XYZ"[axis], factor))
+    best, name, factor = min(tried)
     if best > BETTER * now:
-        return False
-    axes = ", ".join(
-        f"{'−' if sign < 0 else ''}{'XYZ'[axis]}" for axis, sign in zip(order, signs, strict=True)
-    )
-    run.warn(Text(
-        "The control points do not fit the block ({now:.3g} m per coordinate), but would with the axes {axes} in place "
-        "of X, Y, Z ({best:.3g} m): the table exchanges axes or is left-handed.", now=now, axes=axes, best=best,
-    ))  # fmt: skip
-    return True
+        return None
+    unit, of = READINGS[factor]
+    return Text("{axis} fits the other axes when multiplied by {factor:.4g}, as if it were in {unit} and they in {of}. "
+                "Give all of them in m, or write the unit in the header, “{axis} [{unit}]”.", axis=name, factor=factor,
+                unit=unit, of=of)  # fmt: skip
 
 
-def _blunder(names: Sequence[str], model: Array, world: Array, run: Run) -> None:
-    """Warn of the control point without which the others fit much better, if it misses them by far."""
+def _unit_of_rows(names: Sequence[str], model: Array, whole: Array) -> str | None:
+    """Look whether some points are in another unit than most: three fit together, the rest fit multiplied by a factor."""
+    best: tuple[int, list[str], float] = (0, [], 1.0)
+    for triple in islice(combinations(range(len(names)), 3), MOST_TRIPLES):
+        index = np.array(triple)
+        spread = np.linalg.svd(model[index] - model[index].mean(axis=0), compute_uv=False)
+        if spread[1] < 0.05 * spread[0]:
+            continue
+        there = estimate_similarity(model[index], whole[index]).apply(model)
+        near = BAD_FIT * _extent(there)
+        fit = np.linalg.norm(there - whole, axis=1) < near
+        rest = np.flatnonzero(~fit)
+        if fit.sum() < 3 or fit.sum() <= best[0] or len(rest) > fit.sum() or not len(rest):
+            continue
+        for factor in READINGS:
+            if (np.linalg.norm(there[rest] - factor * whole[rest], axis=1) < near).all():
+                best = int(fit.sum()), [names[int(i)] for i in rest], factor
+    if not best[0]:
+        return None
+    unit, of = READINGS[best[2]]
+    return Text("units are mixed: {points} fit the others when multiplied by {factor:.4g}, as if they were in {unit} and "
+                "the others in {of}. Give all of them in m.", points=", ".join(best[1][:8]) + " …" * (len(best[1]) > 8),
+                factor=best[2], unit=unit, of=of)  # fmt: skip
+
+
+def _blunder(names: Sequence[str], model: Array, world: Array) -> str | None:
+    """Look for the point without which the others fit much better, if it misses them by far."""
     if len(names) < 5:
-        return  # too little is left over to tell a wrong point from bad luck
+        return None  # too little is left over to tell a wrong point from bad luck
     found = []
     for i in range(len(names)):
         others = np.delete(np.arange(len(names)), i)
@@ -91,8 +201,9 @@ def _blunder(names: Sequence[str], model: Array, world: Array, run: Run) -> None
         spread = float(np.sqrt((rest[others] ** 2).mean()))
         found.append((spread, float(np.linalg.norm(rest[i])), names[i]))
     others_rms, miss, name = min(found)
-    if miss > max(OUTLIER * np.sqrt(3.0) * others_rms, 1e-9):
-        run.warn(Text(
-            "Control point {name} misses by {miss:.3g} m a similarity that fits the others to {rms:.2g} m per "
-            "coordinate: its coordinates or measurements may be wrong.", name=name, miss=miss, rms=others_rms,
-        ))  # fmt: skip
+    if miss < max(OUTLIER * np.sqrt(3.0) * others_rms, 1e-9):
+        return None
+    return Text(
+        "{name} misses by {miss:.3g} m a similarity that fits the others to {rms:.2g} m per coordinate: its coordinates "
+        "or measurements may be wrong.", name=name, miss=miss, rms=others_rms,
+    )  # fmt: skip

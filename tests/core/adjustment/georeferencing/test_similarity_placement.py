@@ -213,7 +213,7 @@ def test_a_wrong_coordinate_and_an_unknown_photo_are_told(adjusted: Block, model
     run = Heard()
     placed(adjusted, replace(control, xyz=xyz), replace(measured, photo=names), None, run=run)
     assert "not in the project: absent.jpg" in run.warnings[0]
-    assert "Control point T5 misses by" in run.warnings[1] and len(run.warnings) == 2
+    assert "Control points: T5 misses by" in run.warnings[1] and len(run.warnings) == 2
 
 
 def test_a_distance_between_unknown_ends_is_refused(adjusted: Block) -> None:
