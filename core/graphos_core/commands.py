@@ -18,7 +18,7 @@ from graphos_core.outputs import check_writable, write_outputs
 from graphos_core.params import unknown_name
 from graphos_core.pipeline import Pipeline
 from graphos_core.project import Project
-from graphos_core.project_file import FILE, read_settings
+from graphos_core.project_file import FILE, copy_known, read_settings
 from graphos_core.recipe import Recipe
 from graphos_core.registry import STAGES, Algorithm, Stage
 from graphos_core.report import build_report
@@ -158,7 +158,7 @@ def make_project(options: argparse.Namespace, seed: int, progress: Run) -> Proje
             options.control = source.folder / source.settings.control
         if source.settings.calibration and options.camera is None:
             settings["calibration"] = source.folder / source.settings.calibration
-        return Project.create(
+        made = Project.create(
             options.out,
             source.photos_folder,
             name=source.name,
@@ -166,6 +166,8 @@ def make_project(options: argparse.Namespace, seed: int, progress: Run) -> Proje
             **(kept | settings),
             **_control(options),
         )
+        copy_known(source.folder, made.folder)
+        return made
     return Project.create(options.out, options.source, run=progress, **settings, **_control(options))
 
 

@@ -118,6 +118,26 @@ def copy_control(source: Path, folder: Path) -> str:
     return pairs[0][1]
 
 
+def copy_known(source: Path, folder: Path) -> None:
+    """Copy what a project knows beside control points to another one: distances, ``known.toml`` and its tables.
+
+    What the other one has already stays.
+    """
+    from graphos_core.exchange.distance_table import FILE as DISTANCES
+    from graphos_core.exchange.known import known_tables
+
+    for path in (source / DISTANCES, source / KNOWN, *known_tables(source / KNOWN)):
+        if not path.is_file() or not path.resolve().is_relative_to(source.resolve()):
+            continue
+        copy = folder / path.resolve().relative_to(source.resolve())
+        if not copy.exists():
+            try:
+                copy.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(path, copy)
+            except OSError as problem:
+                raise cannot_write(copy, problem) from problem
+
+
 def copy_calibration(source: Path, folder: Path) -> str:
     """Copy a calibration file into the project folder, refusing one that cannot be read; return its name there."""
     from graphos_core.exchange.calibration_file import read_calibration

@@ -164,13 +164,13 @@ def _georeference(pipeline: Pipeline, folder: Path, run: Run) -> Any:
 
 def _adjustment(pipeline: Pipeline, folder: Path, run: Run) -> Any:
     from graphos_core.adjustment.bundle.tie_weights import with_scale_sigma
-    from graphos_core.adjustment.georeferencing.similarity import placed_again
+    from graphos_core.adjustment.georeferencing.similarity import in_its_frame, placed_again
     from graphos_core.results import AdjustmentResult
 
     algorithm, params = pipeline.recipe.algorithm("adjustment", "bundle")
-    known = pipeline.project.known()
     placed = pipeline.value("georeference")
     block = with_scale_sigma(placed.block, pipeline.value("matches").tracks, pipeline.value("keypoints"))
+    known = in_its_frame(pipeline.project.known(), placed.georeference)
     adjusted = algorithm.function(block, known, params, run=run)
     placing = tuple(
         Finding(

@@ -10,7 +10,11 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from PySide6.QtGui import QUndoCommand, QUndoStack
 
 from graphos_core.errors import GraphosError
+from graphos_core.exchange.control import read_control
 from graphos_core.exchange.control_sheet import ControlSheet
+from graphos_core.exchange.control_tables import LARGEST
+from graphos_core.exchange.table_preview import guess, read_points
+from graphos_core.project_file import inside
 from graphos_core.run import Run
 from graphos_core.text import Text
 from graphos_py.jobs import Job
@@ -100,7 +104,7 @@ class ControlDesk(QObject):
         try:
             self.sheet = ControlSheet.from_known(*project.control(), _own_distances(project))
         except GraphosError as problem:
-            self.sheet, self.problem = ControlSheet(), problem
+            self.sheet, self.problem = _readable(project), problem
         self._original = (self.sheet, _files(project.folder))
         if not self.sheet.crs and _names_system(project):
             self.session.message.emit("info", Text(
@@ -117,7 +121,7 @@ class ControlDesk(QObject):
 
     def put(self, sheet: ControlSheet) -> None:
         """Show a sheet and save it soon; called by the undo stack."""
-        self.sheet = sheet
+        self.sheet, self.problem = sheet, None
         self._saving.start()
         if self.point and sheet.index(self.point) < 0:
             self.choose("")
@@ -186,6 +190,22 @@ def _names_system(project: Any) -> bool:
         return False
     with path.open(encoding="utf-8-sig", errors="replace") as file:
         return any(line.lstrip("# \t").casefold().startswith("crs:") for line in file if line.startswith("#"))
+
+
+def _readable(project: Any) -> ControlSheet:
+    """Return the points of a table with bad lines without those lines, and the measurements beside it."""
+    try:
+        path = inside(project.folder, project.settings.control)
+        text = path.read_bytes()[:LARGEST].decode("utf-8-sig", errors="replace")
+    except (OSError, GraphosError):
+        return ControlSheet()
+    points, _ = read_points(text, guess(text))
+    beside = path.with_name(f"{path.stem}_measurements{path.suffix}")
+    try:
+        measured = ControlSheet.from_known(*read_control(beside)) if beside.is_file() else ControlSheet()
+    except GraphosError:
+        measured = ControlSheet()
+    return measured.with_points(points)
 
 
 def _own_distances(project: Any) -> Any:

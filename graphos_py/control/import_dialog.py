@@ -32,6 +32,7 @@ from graphos_core.exchange.table_preview import (
     cells,
     guess,
     read_points,
+    strange_units,
 )
 from graphos_py.theme import theme
 from graphos_py.translation import tr
@@ -48,8 +49,7 @@ class ImportDialog(QDialog):
         super().__init__(parent)
         self.setWindowTitle(tr("Open table: {name}", name=path.name))
         self.resize(theme().px(820), theme().px(560))
-        size = path.stat().st_size if path.is_file() else 0
-        self.text = path.read_bytes().decode("utf-8-sig", errors="replace") if size <= LARGEST else ""
+        self.text = _text(path)
         self.format = guess(self.text)
         self._points: list[SheetPoint] = []
         self._filling = False
@@ -185,12 +185,31 @@ class ImportDialog(QDialog):
             lines.append(tr("{n} more lines are no points.", n=len(bad) - 4))
         if self.epsg.text().strip() and not self.crs():
             lines.insert(0, tr("A coordinate system is written like EPSG:25832."))
+        if units := strange_units(self.text, self.format):
+            lines.insert(
+                0,
+                tr(
+                    "The header says {units}, but all are taken in {unit}.",
+                    units=units,
+                    unit=self.format.unit,
+                ),
+            )
         if not self._points and not bad:
             lines = [tr("There are no points in this file.")]
         self.verdict.setText("\n".join(lines))
         self.verdict.setProperty("role", "error")
         self.take.setText(tr("Take {n} points", n=len(self._points)))
         self.take.setEnabled(bool(self._points) and (not self.epsg.text().strip() or bool(self.crs())))
+
+
+def _text(path: Path) -> str:
+    """Return the text of a file; nothing where it cannot be read or is too large."""
+    try:
+        return (
+            "" if path.stat().st_size > LARGEST else path.read_bytes().decode("utf-8-sig", errors="replace")
+        )
+    except OSError:
+        return ""
 
 
 def _combo(choices: list[tuple[str, str]], now: str) -> QComboBox:

@@ -24,7 +24,7 @@ from PySide6.QtWidgets import (
 )
 
 from graphos_core.exchange.control_sheet import ROLES, SheetPoint
-from graphos_core.exchange.table_preview import guess, read_points
+from graphos_core.exchange.table_preview import guess, read_points, strange_units
 from graphos_core.params import Level
 from graphos_py.control.desk import ControlDesk
 from graphos_py.control.table_model import COLUMNS, ROLE_LABELS, ControlModel
@@ -143,10 +143,15 @@ class ControlTable(QWidget):
 
     def take_text(self, text: str) -> None:
         """Add the rows of a text, its format guessed."""
-        points, bad = read_points(text, guess(text))
+        form = guess(text)
+        points, bad = read_points(text, form)
         if points:
             self.desk.edit(self.desk.sheet.with_points(points), tr("Paste {n} points", n=len(points)))
         lines = [tr("Line {line}: {why}.", line=b.line, why=tr(b.why)) for b in bad[:5]]
+        if units := strange_units(text, form):
+            lines.insert(
+                0, tr("The header says {units}, but all are taken in {unit}.", units=units, unit=form.unit)
+            )
         if not points and not bad:
             lines = [tr("Nothing to paste: rows with name, x, y, z are needed.")]
         self.say("\n".join(lines))

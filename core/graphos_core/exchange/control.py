@@ -24,6 +24,9 @@ from graphos_core.text import Text
 FAR_M = 1e4
 """Coordinates beyond this are shifted to a local origin, m."""
 
+LARGEST_M = 1e10
+"""Larger coordinates are mistakes."""
+
 ROLES = {
     "": "control", "control": "control", "control point": "control", "gcp": "control", "check": "check",
     "check point": "check", "checkpoint": "check", "check-point": "check", "off": "off", "unused": "off",
@@ -96,7 +99,10 @@ def _coordinates(table: Table, row: Row) -> list[float]:
     empty = [axis for axis in "xyz" if table.has(row, axis) and not table.text(row, axis)]
     if len(empty) == 3:
         raise bad_line(table, row, "all three coordinates are empty")
-    return [np.nan if axis in empty else table.number(row, axis) for axis in "xyz"]
+    xyz = [np.nan if axis in empty else table.number(row, axis) for axis in "xyz"]
+    if np.nanmax(np.abs(xyz)) > LARGEST_M:
+        raise bad_line(table, row, Text("a coordinate is larger than {largest:g} m", largest=LARGEST_M))
+    return xyz
 
 
 def _sigmas(table: Table, row: Row) -> list[float]:

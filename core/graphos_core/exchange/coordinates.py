@@ -83,6 +83,13 @@ def metric_coordinates(xyz: Array, crs: str) -> tuple[Array, TangentFrame | None
     if system.is_geographic:
         degrees = np.asarray(xyz)[:, [1, 0, 2]]
         known = degrees[np.isfinite(degrees).all(axis=1)]
+        if not len(known):
+            return xyz, None
+        if (np.abs(known[:, :2]) > [90.0, 360.0]).any():
+            raise UserError(Text("The coordinates are no degrees, as {crs} needs.", crs=crs[:40]),
+                            "A latitude is beyond 90° or a longitude beyond 360°.",
+                            "Give x as longitude and y as latitude, or the system the coordinates are in.",
+                            learn="adjustment/georeferencing")  # fmt: skip
         frame = local_tangent_frame(known.mean(axis=0))
         return frame.from_geographic(degrees), frame
     unit = system.axis_info[0].unit_name if system.axis_info else "metre"

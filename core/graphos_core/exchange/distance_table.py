@@ -60,10 +60,16 @@ def read_distances(path: Path) -> tuple[KnownDistance, ...]:
     if not lines:
         return ()
     table = guess(text)
-    columns, factors = _header(split(lines[0][1], table.delimiter))
+    header = split(lines[0][1], table.delimiter)
+    columns, factors = _header(header)
+    units = [title_and_unit(header[columns[name]])[1] for name in ("distance", "sigma") if name in columns]
     missing = [name for name in ("from", "to", "distance") if name not in columns]
     if missing:
         raise _bad(path, lines[0][0], Text("the header has no column {names}", names=", ".join(missing)))
+    unit = next((u for u in units if u and u not in LENGTHS), "")
+    if unit:
+        raise _bad(path, lines[0][0], Text("the unit is “{unit}”, needs one of: {valid}", unit=unit[:20],
+                                           valid=", ".join(LENGTHS)))  # fmt: skip
     found = []
     for line, row in lines[1:]:
         cells = split(row, table.delimiter)

@@ -108,7 +108,7 @@ def read_known(path: Path, first: Known, photos: PhotoSet) -> Known:
     if unknown:
         raise _bad(
             path,
-            Text("there is no section “{name}”; there are {all}", name=unknown[0], all=", ".join(KEYS)),
+            Text("“{name}” is no section; sections are {all}", name=unknown[0], all=", ".join(KEYS)),
         )
     try:
         return _known(path, content, first, photos)

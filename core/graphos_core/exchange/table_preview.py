@@ -77,6 +77,25 @@ def guess(text: str) -> TableFormat:
     return replace(found, skip=first, columns=columns, unit=unit)
 
 
+def strange_units(text: str, table: TableFormat) -> str:
+    """Return what a header says of units that are not that of the table, such as ``"y [ft]"``; else nothing."""
+    units = _header_units(text, table)
+    return ", ".join(
+        f"{column} [{units[column]}]" for column in "xyz" if units.get(column, table.unit) != table.unit
+    )
+
+
+def _header_units(text: str, table: TableFormat) -> dict[str, str]:
+    """Return the units that a header says, by field."""
+    units: dict[str, str] = {}
+    for row in cells(text, table)[: table.skip]:
+        for name in FIELDS:
+            title, unit = title_and_unit(_cell(row, table, name))
+            if unit and title in FIELDS[name]:
+                units[name] = unit
+    return units
+
+
 def split(line: str, delimiter: str) -> list[str]:
     """Return the cells of a line without the blanks round them."""
     if delimiter == " ":
@@ -106,10 +125,11 @@ def read_points(text: str, table: TableFormat) -> tuple[list[SheetPoint], list[B
     points: list[SheetPoint] = []
     bad: list[BadLine] = []
     names: set[str] = set()
+    own = {name: LENGTHS[unit] for name, unit in _header_units(text, table).items() if unit in LENGTHS}
     for line, row in enumerate(cells(text, table), 1):
         if line <= table.skip or not any(row) or row[0].startswith("#"):
             continue
-        found = _point(row, table)
+        found = _point(row, table, own)
         if isinstance(found, str):
             bad.append(BadLine(line, found))
         elif found.name in names:
@@ -120,8 +140,8 @@ def read_points(text: str, table: TableFormat) -> tuple[list[SheetPoint], list[B
     return points, bad
 
 
-def _point(row: Sequence[str], table: TableFormat) -> SheetPoint | str:
-    """Return the point of a row, or what is wrong with it."""
+def _point(row: Sequence[str], table: TableFormat, own: Mapping[str, float]) -> SheetPoint | str:
+    """Return the point of a row, or what is wrong with it; standard deviations may have units of their `own`."""
     name = _cell(row, table, "name")
     if not name:
         return "the name of the point is missing"
@@ -134,18 +154,24 @@ def _point(row: Sequence[str], table: TableFormat) -> SheetPoint | str:
             return Text("{column} is “{text}”, not a number", column=column, text=cell[:40])
     if not any(math.isfinite(v) for v in xyz):
         return "there are no coordinates"
+    for column in ("sx", "sy", "sz", "sigma"):
+        cell = _cell(row, table, column)
+        if cell and not number(cell, table.decimal) >= 0.0:
+            return Text("{column} is “{text}”, not a standard deviation", column=column, text=cell[:40])
     role = ROLE_WORDS.get(_cell(row, table, "role").casefold())
     if role is None:
         return Text(
             "the role “{role}” is neither control, check nor off", role=_cell(row, table, "role")[:40]
         )
-    return SheetPoint(name, (xyz[0], xyz[1], xyz[2]), _sigma(row, table, factor), role)
+    return SheetPoint(name, (xyz[0], xyz[1], xyz[2]), _sigma(row, table, own), role)
 
 
-def _sigma(row: Sequence[str], table: TableFormat, factor: float) -> Triple:
-    own = [number(_cell(row, table, column), table.decimal) for column in ("sx", "sy", "sz")]
-    alike = number(_cell(row, table, "sigma"), table.decimal)
-    sx, sy, sz = ((v if math.isfinite(v) else alike) * factor for v in own)
+def _sigma(row: Sequence[str], table: TableFormat, own: Mapping[str, float]) -> Triple:
+    values = {
+        column: number(_cell(row, table, column), table.decimal) * own.get(column, LENGTHS[table.unit])
+        for column in ("sx", "sy", "sz", "sigma")
+    }
+    sx, sy, sz = (values[c] if math.isfinite(values[c]) else values["sigma"] for c in ("sx", "sy", "sz"))
     return sx, sy, sz
 
 

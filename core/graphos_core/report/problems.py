@@ -19,7 +19,7 @@ def problems(report: dict[str, Any], adjustment: Adjustment | None) -> list[dict
     found: list[dict[str, Any]] = []
     if adjustment is not None:
         found += [asdict(f) for f in adjustment.findings]
-        if not adjustment.converged:
+        if not adjustment.converged and not any(f.learn == "adjustment/solver" for f in adjustment.findings):
             found.append(_problem(
                 "error", Text("The adjustment did not converge: {why}.", why=adjustment.stop_reason),
                 todo=Text("Allow more iterations, or look for outliers and weak photos."), learn="adjustment/solver",

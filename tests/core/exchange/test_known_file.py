@@ -55,7 +55,7 @@ def test_the_documented_file_is_read_as_it_says(tmp_path: Path) -> None:
         ("distance = 3", "distance|int"),
         ("[[distance]]\na='A'\nb='B'\n", "metres.* is missing"),
         ("[[distance]]\na='A'\nb='B'\nmetres=-1\n", "needs a number above 0"),
-        ("[[shapes]]\n", "no section “shapes”"),
+        ("[[shapes]]\n", "“shapes” is no section"),
         ("[gnss]\nsource='absent.csv'\n", "could not be read"),
         ("[gnss]\nsource='../../outside.csv'\n", "outside"),
         ("[gnss]\nlever_arm='maybe'\n", "given"),

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QApplication
 
 from graphos_core.adjustment.measuring.prediction import Prediction, project
 from graphos_core.adjustment.measuring.sights import Sight
@@ -112,6 +113,51 @@ def test_pasting_names_the_bad_line_and_takes_the_rest(page: ControlPage) -> Non
     assert "Line 2" in page.table.problem.text() and "two" in page.table.problem.text()
     page.table.take_text("hello")
     assert len(page.desk.sheet.points) == 2 and page.table.problem.text()
+
+
+def test_what_is_copied_comes_back_alike_with_standard_deviations_in_mm(page: ControlPage) -> None:
+    sheet = ControlSheet(
+        (SheetPoint("A", (1.0, 2.0, 3.0), (0.004, 0.004, 0.008)), SheetPoint("B", (4.0, 5.0, 6.0)))
+    )
+    page.desk.edit(sheet, "test")
+    page.table.copy()
+    text = QApplication.clipboard().text()
+    page.desk.edit(ControlSheet(), "empty")
+    page.table.take_text(text)
+    assert page.desk.sheet == sheet
+
+
+def test_mixed_and_strange_units_are_said(qtbot, page: ControlPage, tmp_path: Path) -> None:
+    text = "name,x [m],y [ft],z [m],sigma\nA,1,2,3,0.01\nB,4,5,6,-1\nC,7,8,9,much\nD,nan,1,2,\nE,1,2,3,\n"
+    page.table.take_text(text)
+    assert [p.name for p in page.desk.sheet.points] == ["A", "E"]
+    said = page.table.problem.text()
+    assert "y [ft]" in said and all(f"Line {n}" in said for n in (3, 4, 5))
+    (tmp_path / "points.csv").write_text(text, "utf-8")
+    dialog = ImportDialog(tmp_path / "points.csv")
+    qtbot.addWidget(dialog)
+    assert "y [ft]" in dialog.verdict.text() and [p.name for p in dialog.points()] == ["A", "E"]
+
+
+def test_a_file_that_is_not_there_or_no_table_has_no_points(qtbot, tmp_path: Path) -> None:
+    (tmp_path / "photo.jpg").write_bytes(bytes(range(256)) * 20)
+    for path in (tmp_path / "absent.csv", tmp_path, tmp_path / "photo.jpg"):
+        dialog = ImportDialog(path)
+        qtbot.addWidget(dialog)
+        assert not dialog.points() and not dialog.take.isEnabled() and dialog.verdict.text()
+
+
+def test_a_bad_line_of_the_projects_table_is_named_and_the_rest_shown(
+    page: ControlPage, folder: Path
+) -> None:
+    (folder / "control.csv").write_text("name,x,y,z\nA,1,2,3\nB,1,two,3\nC,4,5,6\n", "utf-8")
+    (folder / "control_measurements.csv").write_text("photo,name,x,y\na.png,A,1,2\na.png,B,3,4\n", "utf-8")
+    page.session.project = page.session.project.with_control("control.csv")
+    page.desk.load()
+    assert page.desk.problem is not None and "line 3" in page.table.problem.text()
+    known = {p.name: p.xyz for p in page.desk.sheet.points if p.known}
+    assert known == {"A": (1.0, 2.0, 3.0), "C": (4.0, 5.0, 6.0)}
+    assert set(page.desk.sheet.marks) == {("A", "a.png"), ("B", "a.png")}
 
 
 def test_a_click_snaps_and_keys_move_the_mark(page: ControlPage) -> None:

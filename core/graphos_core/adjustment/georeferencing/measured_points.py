@@ -62,6 +62,7 @@ def intersect_measured(
     if control is None or measured is None or not len(measured.point):
         return MeasuredPoints(xyz, found, photos, np.zeros(0, dtype=bool))
     photo = _known_photos(block, measured, run)
+    _tell_outside(block, control, measured, photo, run)
     parts = []
     for index in np.unique(photo[photo >= 0]):
         mine = np.flatnonzero(photo == index)
@@ -111,6 +112,23 @@ def _known_photos(block: Block, measured: ControlObservations, run: Run) -> Arra
             )
         )
     return found
+
+
+def _tell_outside(
+    block: Block, control: Control, measured: ControlObservations, photo: Array, run: Run
+) -> None:
+    """Tell measurements that lie outside their photo: in another unit, or from another corner."""
+    size = np.array([[c.width, c.height] for c in block.cameras])[np.asarray(block.camera_of_photo)[photo]]
+    outside = (
+        (photo >= 0) & (size > 0).all(axis=1) & ((measured.xy < -1.0) | (measured.xy > size)).any(axis=1)
+    )
+    if outside.any():
+        first = int(np.flatnonzero(outside)[0])
+        run.warn(Text(
+            "{count} measurements of control points lie outside their photo, such as {point} in {photo}. Measurements are "
+            "in px from the top left corner, x to the right, y downwards.", count=int(outside.sum()),
+            point=control.names[measured.point[first]], photo=measured.photo[first],
+        ))  # fmt: skip
 
 
 def _tell_misfits(

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from graphos_core.adjustment.georeferencing.known_scale import compare_scales, scale_of
+from graphos_core.adjustment.georeferencing.agreement import compare_photos, compare_scales, scale_of
 from graphos_core.adjustment.georeferencing.level import levelled
 from graphos_core.adjustment.georeferencing.measured_points import (
     MeasuredPoints,
@@ -29,6 +29,10 @@ from graphos_core.text import Text
 
 ON_LINE = 1e-3
 """Control points whose second extent is less than this share of the first lie on one line."""
+
+
+IN_FRAME = ("control points", "projection centres")
+"""What places a block in the frame of control points."""
 
 
 class SimilarityParams(Params):
@@ -120,8 +124,13 @@ def place_by_similarity(
         usable = points.found & given & ~control.check
         if usable.sum() >= 3:
             return _by_control(block, known, points, usable, run)
-        if not (by_distance or by_centres) and (given & ~control.check).any():
-            raise _too_few(control, points, given)
+        some = np.isfinite(control.xyz).any(axis=1) & ~_off(control)
+        if not (by_distance or by_centres) and (some & ~control.check).any():
+            raise _too_few(control, points, some & ~control.check, given)
+        if some.any():
+            run.warn(Text("The coordinates of control points take no part, and check nothing: to place the block, 3 control "
+                          "points with X, Y and Z, each measured in two oriented photos, are needed beside check points; "
+                          "there are {count}.", count=int(usable.sum())))  # fmt: skip
     if by_centres:
         placed = _by_centres(block, known, points, run)
         if placed is not None:
@@ -182,7 +191,7 @@ def _by_control(
     control = known.control
     assert control is not None
     spread = np.linalg.svd(control.xyz[usable] - control.xyz[usable].mean(axis=0), compute_uv=False)
-    if spread[1] < ON_LINE * spread[0]:
+    if spread[1] <= ON_LINE * spread[0]:
         raise UserError(
             "The block cannot be placed: its control points lie on one line.",
             "X and Y look like degrees beside heights in metres."
@@ -202,7 +211,9 @@ def _by_control(
     name_below(control.xyz[usable], world_from_model.apply(block.centres[oriented]), run)
     run.say(Text("Placed by {count} control points, {rms:.4g} m per coordinate.", count=int(usable.sum()),
                  rms=result.rms_m))  # fmt: skip
-    return transform_block(block, world_from_model, "m"), result
+    moved = transform_block(block, world_from_model, "m")
+    compare_photos(moved, known, run)
+    return moved, result
 
 
 def _by_centres(
@@ -278,18 +289,30 @@ def _rms(residuals: Array) -> float:
     return float(np.sqrt((residuals**2).mean())) if len(residuals) else float("nan")
 
 
-def _too_few(control: Control, points: MeasuredPoints, given: Array) -> UserError:
-    kept = np.flatnonzero(given & ~control.check)
-    found = int(points.found[kept].sum())
+def _too_few(control: Control, points: MeasuredPoints, wanted: Array, given: Array) -> UserError:
+    kept = np.flatnonzero(wanted)
+    found = int((points.found & given)[kept].sum())
     seen = ", ".join(f"{control.names[i]} in {points.photos[i]}" for i in kept[:12])
+    lacking = [control.names[i] for i in kept if not given[i]]
+    why = Text(
+        "A control point must be measured in two oriented photos or more; measured are {seen}.",
+        seen=seen + (" …" if len(kept) > 12 else ""),
+    )
+    if lacking:
+        why = Text("A control point that places the block needs X, Y and Z; {names} lack one.",
+                   names=", ".join(lacking[:12]) + " …" * (len(lacking) > 12))  # fmt: skip
     return UserError(
         Text(
             "The block cannot be placed: {count} control points could be computed, 3 are needed.", count=found
         ),
-        Text(
-            "A control point must be measured in two oriented photos or more; measured are {seen}.",
-            seen=seen + (" …" if len(kept) > 12 else ""),
-        ),
+        why,
         "Measure at least 3 control points, not on one line, in two or more oriented photos each.",
         learn="adjustment/georeferencing",
     )
+
+
+def in_its_frame(known: Known, placed: Georeference) -> Known:
+    """Return what is known without coordinates of control points where the block was not placed in their frame."""
+    if known.control is None or placed.method in IN_FRAME:
+        return known
+    return replace(known, control=replace(known.control, xyz=np.full(known.control.xyz.shape, np.nan)))

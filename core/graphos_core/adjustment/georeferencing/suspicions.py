@@ -185,7 +185,7 @@ def _unit_of_rows(names: Sequence[str], model: Array, whole: Array) -> str | Non
     if not best[0]:
         return None
     unit, of = READINGS[best[2]]
-    return Text("units are mixed: {points} fit the others when multiplied by {factor:.4g}, as if they were in {unit} and "
+    return Text("units are mixed: multiplied by {factor:.4g}, {points} would fit the others, as if given in {unit} and "
                 "the others in {of}. Give all of them in m.", points=", ".join(best[1][:8]) + " …" * (len(best[1]) > 8),
                 factor=best[2], unit=unit, of=of)  # fmt: skip
 

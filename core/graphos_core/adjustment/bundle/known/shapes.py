@@ -38,8 +38,8 @@ def groups_of(shape: KnownShape, block: Block, named: dict[str, int], unit: str,
     here = [name for name in shape.points if name in named]
     given = shape.kind == "horizontal plane" and shape.value is not None
     if len(here) < (1 if given else NEEDED[shape.kind]):
-        run.warn(Text("The {kind} {name} takes no part: {count} of its points are measured, {need} are needed.",
-                      kind=shape.kind, name=shape.name, count=len(here), need=NEEDED[shape.kind]))  # fmt: skip
+        run.warn(Text("“{name}” takes no part: {count} of its points are measured, {need} are needed.",
+                      name=shape.name or shape.kind, count=len(here), need=NEEDED[shape.kind]))  # fmt: skip
         return []
     point = np.array([named[name] for name in here], dtype=np.int64)
     xyz = np.asarray(block.points[point])

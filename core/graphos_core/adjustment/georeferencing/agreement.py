@@ -1,6 +1,8 @@
-"""Metres per model unit by what is known beside control points, and whether control points agree with it."""
+"""Does what is known beside control points agree with them: distances, positions and attitudes of photos."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -13,6 +15,9 @@ from graphos_core.text import Text
 
 USUAL_SIGMA_M = 0.01
 """Standard deviation of a distance that says none, m."""
+
+FAR = 20.0
+"""Photos that lie this many standard deviations away, in the median, are in another system."""
 
 UNCERTAIN = 0.5
 """What is known to no better than this share of itself tells nothing about the scale."""
@@ -40,16 +45,52 @@ def compare_scales(block: Block, known: Known, points: MeasuredPoints, by_contro
         share = min((USUAL_SIGMA_M if d.sigma is None else d.sigma) / d.metres for d in there)
         _compare(by_control, scale, 3.0 * share, "the known distances", run)
     if known.centres is not None:
-        photo = photo_indices(block, known.centres.photo)
-        use = np.flatnonzero(photo >= 0)
-        use = use[np.asarray(block.oriented)[photo[use]]]
-        given, model = known.centres.xyz[use], block.centres[photo[use]]
+        photo, use = _oriented(block, known.centres.photo)
+        given, model = known.centres.xyz[use], block.centres[photo]
         if len(use) >= 3 and np.ptp(model, axis=0).any():
             share = float(np.max(known.centres.sigma[use]) / (np.linalg.norm(np.ptp(given, axis=0)) or 1e-9))
             scale = float(
                 np.linalg.norm(given - given.mean(axis=0)) / np.linalg.norm(model - model.mean(axis=0))
             )
             _compare(by_control, scale, 3.0 * share, "the positions of the photos", run)
+
+
+def compare_photos(block: Block, known: Known, run: Run) -> None:
+    """Warn where positions or attitudes of photos lie far from those of a block that control points have placed.
+
+    Parameters
+    ----------
+    block : Block
+        Placed.
+    known : Known
+    run : Run
+    """
+    if known.centres is not None:
+        photo, use = _oriented(block, known.centres.photo)
+        apart = np.linalg.norm(block.centres[photo] - known.centres.xyz[use], axis=1)
+        spread = np.linalg.norm(known.centres.sigma[use], axis=1)
+        if len(use) and np.median(apart / spread) > FAR:
+            run.warn(Text("The positions of the photos lie {miss:.3g} m from where the control points put the photos: they "
+                          "are in another coordinate system or unit, or belong to other photos. Give both in one system, "
+                          "or take the section [gnss] out.", miss=float(np.median(apart))))  # fmt: skip
+    if known.attitudes is not None and not known.attitudes.boresight_free:
+        photo, use = _oriented(block, known.attitudes.photo)
+        given = known.attitudes.boresight @ known.attitudes.rotations[use]
+        turns = block.rotations[photo] @ np.swapaxes(given, 1, 2)
+        angle = np.arccos(np.clip(0.5 * (np.trace(turns, axis1=1, axis2=2) - 1.0), -1.0, 1.0))
+        spread = np.linalg.norm(known.attitudes.sigma[use], axis=1)
+        if len(use) and np.median(angle / spread) > FAR:
+            run.warn(Text("The attitudes of the photos differ by {miss:.3g}° from those the control points give: their "
+                          "order, unit or axes are others (needed are omega, phi, kappa in degrees), or a boresight is "
+                          "missing.", miss=float(np.degrees(np.median(angle)))))  # fmt: skip
+
+
+def _oriented(block: Block, names: Sequence[str]) -> tuple[Array, Array]:
+    """Return the oriented photos (indices) of some names, and their places in `names`."""
+    photo = photo_indices(block, names)
+    use = np.flatnonzero(photo >= 0)
+    use = use[np.asarray(block.oriented)[photo[use]]]
+    return photo[use], use
 
 
 def _compare(by_control: float, other: float, share: float, what: str, run: Run) -> None:
