@@ -190,18 +190,8 @@ def _by_control(
 ) -> tuple[Block, Georeference]:
     control = known.control
     assert control is not None
-    spread = np.linalg.svd(control.xyz[usable] - control.xyz[usable].mean(axis=0), compute_uv=False)
-    if spread[1] <= ON_LINE * spread[0]:
-        raise UserError(
-            "The block cannot be placed: its control points lie on one line.",
-            "X and Y look like degrees beside heights in metres."
-            if look_like_degrees(control.xyz[usable])
-            else "The rotation about that line is free.",
-            "Give projected coordinates, or name the coordinate system of the table (EPSG code)."
-            if look_like_degrees(control.xyz[usable])
-            else "Measure a control point away from the line.",
-            learn="adjustment/georeferencing",
-        )
+    if _on_line(control.xyz[usable]):
+        raise _only_line(control.xyz[usable], points.xyz[usable])
     world_from_model = estimate_similarity(points.xyz[usable], control.xyz[usable])
     result = _georeference("control points", world_from_model, control, points)
     names = np.array(control.names)[usable].tolist()
@@ -214,6 +204,24 @@ def _by_control(
     moved = transform_block(block, world_from_model, "m")
     compare_photos(moved, known, run)
     return moved, result
+
+
+def _on_line(xyz: Array) -> bool:
+    spread = np.linalg.svd(xyz - xyz.mean(axis=0), compute_uv=False)
+    return bool(spread[1] <= ON_LINE * spread[0])
+
+
+def _only_line(given: Array, model: Array) -> UserError:
+    """Say why control points (k, 3) lie on one line, by what they look like and where they are measured (k, 3)."""
+    why, todo = "The rotation about that line is free.", "Measure a control point away from the line."
+    if look_like_degrees(given):
+        why = "X and Y look like degrees beside heights in metres."
+        todo = "Give projected coordinates, or name the coordinate system of the table (EPSG code)."
+    elif not _on_line(model):
+        why = "Where they are measured in the photos they do not: an axis may be in another unit, or rows are mixed up."
+        todo = "Correct the table of control points."
+    return UserError("The block cannot be placed: its control points lie on one line.", why, todo,
+                     learn="adjustment/georeferencing")  # fmt: skip
 
 
 def _by_centres(

@@ -117,12 +117,11 @@ def _degrees(model: Array, world: Array) -> str | None:
     now = _fit(model, world)
     if np.abs(world[:, :2]).max() > 180.0 or now < BAD_FIT:
         return None
-    fits = [
-        _fit(model, np.column_stack([
-            world[:, 1 - lat] * np.cos(np.radians(world[:, lat])) * DEGREE_M, world[:, lat] * DEGREE_M, world[:, 2],
-        ]))
-        for lat in (0, 1)
-    ]  # fmt: skip
+    fits = []
+    for lat in (0, 1):
+        metres = DEGREE_M * np.ones(3)
+        metres[1 - lat], metres[2] = DEGREE_M * np.cos(np.radians(world[:, lat].mean())), 1.0
+        fits.append(_fit(model, world[:, [1 - lat, lat, 2]] * metres[[1 - lat, lat, 2]]))
     return IN_DEGREES if look_like_degrees(world) or (len(world) >= 4 and min(fits) < BETTER * now) else None
 
 
