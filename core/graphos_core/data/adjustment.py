@@ -108,7 +108,7 @@ class ObservationGroup:
     redundancy : float
         Sum of the redundancy numbers; NaN while not computed.
     squares : float
-        vᵀPv of the group.
+        vᵀPv of the group, of image points as in `Adjustment.sigma0`.
     sigma0 : float
         ``sqrt(squares / redundancy)``: 1 when the a priori standard deviations are right.
     rms : float
@@ -268,7 +268,8 @@ class Adjustment:
         Adjusted; its cameras carry `Camera.sigmas`.
     sigma0 : float
         A posteriori standard deviation of unit weight, ``sqrt(vᵀPv / r)``, without unit: 1 when the a priori
-        standard deviations are right.
+        standard deviations are right. With a robust function the part of image points in vᵀPv is divided by the
+        share that the function leaves of the squares of good observations.
     sigma0_px : float
         The same in px: `sigma0` times `prior_px`.
     prior_px : float

@@ -128,7 +128,8 @@ def adjust_block(
         delta0 = non_centrality(options.alpha, options.power) if options.reliability else -1.0
         with system.working():
             found = cofactors(system, solution.scene, options.datum, delta0)
-    return outcome(problem, solution, misfit, found, (options.alpha, options.power), run)
+    levels, robust = (options.alpha, options.power), (options.robust, options.scale_px)
+    return outcome(problem, solution, misfit, found, levels, robust, run)
 
 
 def residuals_of(problem: Problem, solution: Solution, rules: Rules) -> tuple[Array, Array]:

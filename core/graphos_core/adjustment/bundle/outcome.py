@@ -12,6 +12,7 @@ from graphos_core.adjustment.bundle.known import assembly
 from graphos_core.adjustment.bundle.known.build import is_measured
 from graphos_core.adjustment.bundle.levenberg_marquardt import Solution
 from graphos_core.adjustment.bundle.problem import Problem
+from graphos_core.adjustment.bundle.robust import consistency
 from graphos_core.adjustment.statistics.groups import image_group, other_groups
 from graphos_core.adjustment.statistics.reliability import global_test, non_centrality, reliability
 from graphos_core.data import (
@@ -33,6 +34,7 @@ def outcome(
     misfit: tuple[Array, Array],
     found: Cofactors | None,
     levels: tuple[float, float],
+    robust: tuple[str, float],
     run: Run,
 ) -> Adjustment:
     """Return the record of an adjustment.
@@ -46,6 +48,8 @@ def outcome(
     found : Cofactors or None
     levels : tuple of float
         Error probability and power of the tests.
+    robust : tuple of str, float
+        Name and scale of the robust function.
     run : Run
         Is warned when there is no redundancy, or more than the datum is undetermined.
     """
@@ -57,13 +61,16 @@ def outcome(
     observations = 2 * len(residuals) + (0 if others is None else len(others.residuals))
     unknowns = problem.unknowns + 3 * problem.free_points
     redundancy = observations - unknowns + defect
-    squares = float((weights * (residuals**2).sum(axis=1) / sigma**2).sum())
-    squares += 0.0 if others is None else 2.0 * others.cost
+    images = float((weights * (residuals**2).sum(axis=1) / sigma**2).sum())
+    rest = 0.0 if others is None else 2.0 * others.cost
+    kept, loss = consistency(*robust, (images + rest) / max(redundancy, 1))
+    squares = images / kept + rest
     sigma0 = _sigma0(squares, redundancy, observations, unknowns, run)
     if found is not None and found.singular:
         run.warn(Text("The normal equations are singular beyond the datum: some unknowns cannot be determined, "
                       "and their standard deviations cannot be trusted."))  # fmt: skip
-    covariance = None if found is None else _covariance(problem, found, sigma0)
+    spread = sigma0 * float(np.sqrt(loss))
+    covariance = None if found is None else _covariance(problem, found, spread)
     cameras = tuple(
         _calibrated(camera, None if covariance is None else _root(covariance.cameras[c]), problem, c)
         for c, camera in enumerate(block.cameras)
@@ -87,10 +94,10 @@ def outcome(
         rms_px=float(np.sqrt((residuals**2).mean())), residuals=residuals, weights=weights,
         sigma_rotations=sigma_rotations, sigma_centres=sigma_centres, sigma_points=sigma_points,
         iterations=solution.iterations, converged=solution.converged, stop_reason=solution.reason,
-        groups=_groups(problem, misfit, sigma, others, found, checked, levels), covariance=covariance,
+        groups=_groups(problem, (residuals, weights / kept), sigma, others, found, checked, levels), covariance=covariance,
         reliability=checked,
         global_test=None if found is None else global_test(squares, redundancy, 0.05),
-        extras=_extras(problem, scene.extra, found, sigma0), findings=() if found is None else found.findings,
+        extras=_extras(problem, scene.extra, found, spread), findings=() if found is None else found.findings,
     )  # fmt: skip
 
 

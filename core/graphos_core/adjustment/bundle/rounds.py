@@ -205,7 +205,7 @@ class Rounds:
 
     def _options(self, tolerance: float) -> Options:
         p = self.params
-        scale = p.robust_scale_px or SCALE_SIGMAS * self._spread
+        scale = p.robust_scale_px or SCALE_SIGMAS * self._spread * (2.0 if p.robust == "tukey" else 1.0)
         return Options(
             robust=p.robust, method=p.method, scale_px=scale / self._tie_sigma, max_iterations=p.max_iterations, tolerance=tolerance,
             statistics=False, alpha=p.alpha, power=p.power, datum=p.datum,

@@ -13,7 +13,8 @@ from graphos_core.run import Run
 from graphos_core.text import Text
 
 SCALE_SIGMAS = 3.0
-"""The automatic robust scale in units of the robust standard deviation: weights of good observations stay 1."""
+"""The automatic robust scale in units of the robust standard deviation; twice that for Tukey, whose weight is zero there:
+good observations without weight would be taken for redundancy."""
 
 
 @algorithm(

@@ -137,7 +137,8 @@ class BundleParams(Params):
     ] = "huber"  # fmt: skip
     robust_scale_px: Annotated[float | None, About(
         label="Robust scale", symbol="c", unit="px", low=0, low_open=True, high=1000, step=0.5,
-        help="Length of a residual from which its weight falls; empty: three times their standard deviation.",
+        help="Length of a residual from which its weight falls; empty: three times their standard deviation, "
+        "six times for Tukey.",
         effect="Higher: fewer observations lose weight.",
         learn="adjustment/robust", level="expert", group="Outliers",
     )] = None  # fmt: skip

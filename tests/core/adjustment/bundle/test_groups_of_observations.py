@@ -105,3 +105,15 @@ def test_a_single_free_parameter_is_correlated_with_nothing(make_block) -> None:
     (tested,) = told.significance
     assert tested.parameter == "focal_px" and tested.correlation == 0.0 and tested.correlated_with == ""
     assert not any("correlated" in finding.what for finding in told.findings)
+
+
+@pytest.mark.parametrize("robust", ["huber", "l1", "cauchy", "geman-mcclure", "tukey", "danish"])
+def test_every_robust_function_finds_the_noise_and_few_false_alarms(robust: str) -> None:
+    case = simulate("basic", ("control",), 1)
+    params = BundleParams(calibration="fixed", measured_sigma_px=SIGMA_PX, robust=robust)
+    found = adjust(replace(case.block, obs_sigma_px=None), case.known, params, run=Run(threads=1))
+    assert found.prior_px == pytest.approx(SIGMA_PX, rel=0.06)
+    assert found.sigma0 == pytest.approx(1.0, abs=0.03)
+    assert found.reliability is not None
+    alarms = int((np.abs(found.reliability.standardised) > found.reliability.critical).sum())
+    assert alarms < 5 + 3 * found.reliability.alpha * found.reliability.standardised.size
