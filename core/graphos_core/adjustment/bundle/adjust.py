@@ -118,11 +118,11 @@ def adjust_block(
     system = ReducedSystem(problem, rules, run.threads)
     with system.working():
         solution = METHODS[options.method](system, options.max_iterations, options.tolerance, run=run)
-    misfit = residuals_of(problem, solution, rules)
+        misfit = residuals_of(system, solution)
     if np.isnan(misfit[0]).any():
-        problem, solution = _without_hidden(problem, freedom, solution, misfit[0])
+        problem, solution, keep = _without_hidden(problem, freedom, solution, misfit[0])
         system = ReducedSystem(problem, rules, run.threads)
-        misfit = residuals_of(problem, solution, rules)
+        misfit = misfit[0][keep], misfit[1][keep]
     found = None
     if options.statistics:
         delta0 = non_centrality(options.alpha, options.power) if options.reliability else -1.0
@@ -132,11 +132,19 @@ def adjust_block(
     return outcome(problem, solution, misfit, found, levels, robust, run)
 
 
-def residuals_of(problem: Problem, solution: Solution, rules: Rules) -> tuple[Array, Array]:
+def residuals_of(system: ReducedSystem, solution: Solution) -> tuple[Array, Array]:
     """Return residuals (m, 2), projected − measured in px, and robust weights (m,), in the order of the block."""
+    problem = system.problem
     m = len(problem.observation)
     sorted_residuals, sorted_weights = np.empty((m, 2)), np.empty(m)
-    result_kernels.residuals(solution.scene, problem.layout, rules, sorted_residuals, sorted_weights)
+
+    def one(chunk: int) -> None:
+        span = problem.chunks[chunk]
+        result_kernels.residuals(
+            solution.scene, problem.layout, system.rules, span, sorted_residuals, sorted_weights
+        )
+
+    system.each_chunk(one)
     residuals, weights = np.empty((m, 2)), np.empty(m)
     residuals[problem.observation] = sorted_residuals
     weights[problem.observation] = sorted_weights
@@ -145,8 +153,11 @@ def residuals_of(problem: Problem, solution: Solution, rules: Rules) -> tuple[Ar
 
 def _without_hidden(
     problem: Problem, freedom: Freedom, solution: Solution, residuals: Array
-) -> tuple[Problem, Solution]:
-    """Drop the observations that ended behind their cameras; they had no weight, so the solution stays."""
+) -> tuple[Problem, Solution, Array]:
+    """Drop the observations that ended behind their cameras; they had no weight, so the solution stays.
+
+    Returns the smaller problem, the solution, and which observations of the block (bool) are left.
+    """
     block, fixed = problem.to_block(solution.scene), problem.fixed_points
     kept = np.zeros(len(block.points), dtype=bool)
     kept[problem.order] = problem.layout.point_column >= 0
@@ -163,7 +174,7 @@ def _without_hidden(
         if (moved := _renumber(group, at, problem.order, place, solution.scene)) is not None
     ]
     left = make_problem(smaller, replace(freedom, fixed_points=fixed[points]), groups)
-    return left, replace(solution, scene=left.scene)
+    return left, replace(solution, scene=left.scene), keep
 
 
 def _renumber(group: Group, at: Columns, order: Array, place: Array, scene: Scene) -> Group | None:

@@ -12,12 +12,17 @@ from graphos_core.data.record import Array
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def residuals(scene: Scene, layout: Layout, rules: Rules, out: Array, weights: Array) -> None:
-    """Write projected − measured of every observation into ``out`` (m, 2), NaN behind the camera, and its weight."""
+def residuals(
+    scene: Scene, layout: Layout, rules: Rules, span: tuple[int, int, int], out: Array, weights: Array
+) -> None:
+    """Write projected − measured of the observations of points ``span[0]`` to ``span[1]``, and their weights.
+
+    ``out`` (m, 2) is NaN behind the camera.
+    """
     pixel = np.empty(2)
     slope = np.empty((2, 3))
     inner = np.empty((2, scene.values.shape[1]))
-    for i in range(layout.start.shape[0] - 1):
+    for i in range(span[0], span[1]):
         for o in range(layout.start[i], layout.start[i + 1]):
             n = layout.photo[o]
             c = layout.camera[n]
