@@ -15,7 +15,7 @@ from graphos_core.adjustment.bundle.schur import adjust
 from graphos_core.adjustment.bundle.self_calibration import Calibrated
 from graphos_core.adjustment.bundle.sheet import BundleParams
 from graphos_core.adjustment.statistics.diagnosis import diagnosed
-from graphos_core.data import Known, KnownDistance
+from graphos_core.data import Known, KnownDistance, KnownShape
 from graphos_core.run import Run
 from graphos_core.simulation.consistency import SIGMA_PX, simulate
 
@@ -52,6 +52,29 @@ def test_a_rig_with_a_given_base_gives_the_scale_and_no_direction() -> None:
     base = np.linalg.norm(found.block.centres[1] - found.block.centres[0])
     assert base == pytest.approx(np.linalg.norm(rig.centres[1]), rel=1e-6)
     assert "6 conditions" in found.datum and found.datum.startswith("rig")
+
+
+def test_what_is_named_twice_or_never_photographed_brings_no_unknowns() -> None:
+    case = simulate("basic", ("control", "rig"), 1)
+    (rig,) = case.known.rigs
+    three = replace(
+        rig, photos=tuple((a, "", b) for a, b in rig.photos), rotations=rig.rotations[[0, 0, 1]],
+        centres=rig.centres[[0, 0, 1]],
+    )  # fmt: skip
+    twice = KnownShape(kind="line", points=("T1", "T1", "T1"), sigma=0.01)
+    itself = KnownDistance(a="T0", b="T0", metres=1.0)
+    heard = Run()
+    known = replace(case.known, rigs=(three,), shapes=(twice,), distances=(itself,))
+    observed = observe(join_measured(case.block, known, DEFAULTS), known, DEFAULTS, heard)
+    assert [group.kind for group in observed.groups] == ["control coordinates", "rig"]
+    assert [extra.name for extra in observed.groups[1].extras][:1] == ["rig, camera 3: rotation about x"]
+    assert len(observed.groups[1].extras) == 6
+    assert any("to itself" in w for w in heard.warnings) and any(
+        "1 of its points" in w for w in heard.warnings
+    )
+    found = adjust_block(observed.block, Freedom(), Options(), observed.groups)
+    centre = [e.value for e in found.extras if "centre" in e.name]
+    np.testing.assert_allclose(centre, rig.centres[1], atol=0.01)
 
 
 def test_the_prior_of_a_camera_without_photos_is_no_observation(make_block) -> None:

@@ -182,6 +182,9 @@ def _distances(
     for d in distances:
         if d.check:
             continue
+        if d.a == d.b:
+            run.warn(Text("The distance from {a} to itself takes no part.", a=d.a))
+            continue
         sigma = max(defaults.control_m if d.sigma is None else d.sigma, 1e-9)
         label = f"{d.a}–{d.b}"
         photos = photo_indices(block, (d.a, d.b))
@@ -285,16 +288,17 @@ def _rig(block: Block, rig: KnownRig, run: Run) -> list[Group]:
             )
         )
         return []
+    seen = sorted(set(member))  # cameras without a photo beside the reference have no unknowns
     extras: tuple[Extra, ...] = ()
     if rig.free:
         unit = block.unit
         extras = tuple(
             Extra(f"{rig.name or 'rig'}, camera {c + 2}: {what}", start, u)
-            for c in range(len(rig.rotations) - 1)
+            for c in seen
             for what, start, u in [
                 *((f"rotation about {a}", 0.0, "rad") for a in "xyz"),
                 *((f"centre {a}", float(v), unit) for a, v in zip("xyz", rig.centres[c + 1], strict=True)),
             ]
         )
-    return [Rig(np.array(reference), np.array(other), np.array(member), np.asarray(rig.rotations[1:]),
-                np.asarray(rig.centres[1:]), np.array(sigma), labels, extras)]  # fmt: skip
+    return [Rig(np.array(reference), np.array(other), np.searchsorted(seen, member), np.asarray(rig.rotations[1:])[seen],
+                np.asarray(rig.centres[1:])[seen], np.array(sigma), labels, extras)]  # fmt: skip

@@ -35,7 +35,7 @@ def groups_of(shape: KnownShape, block: Block, named: dict[str, int], unit: str,
         raise UserError(
             Text("“{kind}” is not a shape.", kind=shape.kind), todo=f"Choose one of: {', '.join(NEEDED)}."
         )
-    here = [name for name in shape.points if name in named]
+    here = [name for name in dict.fromkeys(shape.points) if name in named]
     given = shape.kind == "horizontal plane" and shape.value is not None
     if len(here) < (1 if given else NEEDED[shape.kind]):
         run.warn(Text("“{name}” takes no part: {count} of its points are measured, {need} are needed.",
