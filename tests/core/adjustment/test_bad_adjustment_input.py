@@ -96,6 +96,19 @@ def test_the_reason_of_a_misfit_is_said_alone(case: Case, wrong: Callable[[Array
         raise UserError(warnings[0])
 
 
+@pytest.mark.parametrize("count", [3, 5, 8])
+@pytest.mark.parametrize("relief", [0.0, 0.02, 1.0])
+def test_noise_is_hardly_ever_called_something_else(count: int, relief: float) -> None:
+    rng, run = np.random.default_rng(0), Run(threads=1)
+    names = [f"T{i}" for i in range(count)]
+    for _ in range(40):
+        xyz = rng.uniform(-5.0, 5.0, (count, 3)) * [1.0, 1.0, relief]
+        name_suspicions(
+            names, xyz + rng.normal(0, 0.01, xyz.shape), xyz + rng.normal(0, 0.01, xyz.shape), run
+        )
+    assert len(run.warnings) <= 1, "expected is one alarm in a thousand tables"
+
+
 @pytest.mark.parametrize("order", [[0, 1, 2], [1, 0, 2]])
 def test_degrees_on_level_ground_are_recognised_by_what_would_fit(case: Case, order: list[int]) -> None:
     model = true_xyz(case) * [1e3, 1e3, 1e-3]
@@ -249,6 +262,15 @@ def test_bad_control_ends_with_a_sentence(
     assert code == 1 and "Traceback" not in told
     with pytest.raises(UserError, match=said):
         raise UserError(told)
+
+
+def test_check_points_alone_are_compared_with_nothing(small_project: Project, tmp_path: Path) -> None:
+    control = tables(small_project, tmp_path / "in", lambda row: [*row[:4], "check"])
+    out = tmp_path / "out"
+    assert main(["adjust", str(small_project.folder), "--out", str(out), "--control", str(control)]) == 0
+    report = json.loads((out / "report.json").read_text("utf-8"))
+    assert report["georeferencing"]["check_rms_m"] is None and report["check"] is None
+    assert any("check nothing" in p["what"] for p in report["problems"])
 
 
 def test_what_a_project_knows_goes_with_it_and_nonsense_in_it_is_refused(

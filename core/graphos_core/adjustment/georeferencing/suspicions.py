@@ -6,14 +6,15 @@ from collections.abc import Sequence
 from itertools import combinations, islice
 
 import numpy as np
+from scipy import special
 
 from graphos_core.data import Array
 from graphos_core.geometry.similarity import estimate_similarity
 from graphos_core.run import Run
 from graphos_core.text import Text
 
-OUTLIER = 5.0
-"""A point that misses by more than this many times the point RMS of the others is named."""
+FALSE_ALARMS = 0.001
+"""Probability that a point of good control is named."""
 
 BAD_FIT = 0.02
 """Residuals beyond this share of the extent of the points are a wrong system rather than noise."""
@@ -190,19 +191,26 @@ def _unit_of_rows(names: Sequence[str], model: Array, whole: Array) -> str | Non
 
 
 def _blunder(names: Sequence[str], model: Array, world: Array) -> str | None:
-    """Look for the point without which the others fit much better, if it misses them by far."""
+    """Look for the point without which the others fit significantly better.
+
+    A shift of one point is three more unknowns: the fall of the sum of squares they bring, against what remains, follows
+    F with 3 and 3 (n − 1) − 7 degrees of freedom where all points are good (mean shift model: Cook and
+    Weisberg 1982, Residuals and Influence in Regression, section 2.2; Bonferroni for n points).
+    """
+    freedom = 3 * (len(names) - 1) - 7
     if len(names) < 5:
         return None  # too little is left over to tell a wrong point from bad luck
+    whole = estimate_similarity(model, world).apply(model) - world
     found = []
     for i in range(len(names)):
         others = np.delete(np.arange(len(names)), i)
         rest = estimate_similarity(model[others], world[others]).apply(model) - world
-        spread = float(np.sqrt((rest[others] ** 2).mean()))
-        found.append((spread, float(np.linalg.norm(rest[i])), names[i]))
-    others_rms, miss, name = min(found)
-    if miss < max(OUTLIER * np.sqrt(3.0) * others_rms, 1e-9):
+        found.append((float((rest[others] ** 2).sum()), float(np.linalg.norm(rest[i])), names[i]))
+    squares, miss, name = min(found)
+    fall = max(float((whole**2).sum()) - squares, 0.0) / 3.0
+    if fall <= special.fdtri(3.0, freedom, 1.0 - FALSE_ALARMS / len(names)) * squares / freedom:
         return None
     return Text(
         "{name} misses by {miss:.3g} m a similarity that fits the others to {rms:.2g} m per coordinate: its coordinates "
-        "or measurements may be wrong.", name=name, miss=miss, rms=others_rms,
+        "or measurements may be wrong.", name=name, miss=miss, rms=float(np.sqrt(squares / (3 * len(names) - 3))),
     )  # fmt: skip
