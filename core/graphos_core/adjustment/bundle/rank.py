@@ -96,7 +96,8 @@ def _finding(parts: list[tuple[str, str, str]]) -> Finding:
         todo = "Add tie points to that photo, not all on one line or close together, or leave it out."
     elif kinds == {"photo"}:
         todo = (
-            "These photos hang together with the rest by too few points: add tie points, or photos between."
+            "These photos hang together with the rest by too few points: add tie points or photos between, and measure "
+            "control points in several photos."
         )
     elif "camera" in kinds:
         todo = "Hold one of these camera parameters fixed, or take convergent photos rolled by 90° of a scene with depth."
