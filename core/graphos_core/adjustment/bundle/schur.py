@@ -92,7 +92,7 @@ class Named:
 def check_points(
     adjustment: Adjustment, control: Control | None, named: Named, *, all_check: bool
 ) -> CheckPoints | None:
-    """Compare check points with their given coordinates; None where there are none.
+    """Compare check points with their given coordinates; None where there are none, or the block is not in metres.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def check_points(
     all_check : bool
         Whether control points took no part either.
     """
-    if control is None:
+    if control is None or adjustment.block.unit != "m":
         return None
     wanted = np.isfinite(control.xyz).all(axis=1) & (np.asarray(control.check) | all_check)
     rows = [i for i in np.flatnonzero(wanted) if control.names[i] in named.place]

@@ -217,6 +217,13 @@ def _distances(a: Adjustment, known: Known) -> list[Finding]:
     for d in known.distances:
         if not (d.check and d.a in place and d.b in place):
             continue
+        if a.block.unit != "m":
+            out.append(Finding(
+                severity="info", learn="adjustment/scale-bars",
+                what=Text("Check distance {a}–{b} cannot be compared: the block has no scale.", a=d.a, b=d.b),
+                todo="Give another distance that takes part, or control points.",
+            ))  # fmt: skip
+            continue
         length = float(np.linalg.norm(a.block.points[place[d.a]] - a.block.points[place[d.b]]))
         out.append(Finding(
             severity="info", learn="adjustment/scale-bars",

@@ -87,6 +87,16 @@ def test_a_check_distance_is_compared_and_takes_no_part(case: Case) -> None:
     assert any("Check distance T0–T5" in finding.what for finding in found.findings)
 
 
+def test_a_block_without_scale_is_not_compared_in_metres(case: Case) -> None:
+    assert case.known.control is not None
+    known = checks(case.known, case.known.control.names)
+    known = replace(known, distances=(KnownDistance(a="T0", b="T5", metres=5.0, check=True),))
+    found, _ = run(replace(case, block=replace(case.block, unit="model units")), known)
+    assert found.check is None
+    assert any("Check distance T0–T5 cannot be compared" in finding.what for finding in found.findings)
+    assert not any(" m" in finding.what and "computed" in finding.what for finding in found.findings)
+
+
 def test_scale_without_anything_known_is_said_with_a_remedy(case: Case) -> None:
     found, _ = run(case, Known())
     scale = next(finding for finding in found.findings if finding.learn == "adjustment/datum")
