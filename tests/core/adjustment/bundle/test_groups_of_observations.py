@@ -54,6 +54,27 @@ def test_a_rig_with_a_given_base_gives_the_scale_and_no_direction() -> None:
     assert "6 conditions" in found.datum and found.datum.startswith("rig")
 
 
+def test_the_heights_of_two_planes_give_the_scale() -> None:
+    case = simulate("basic", ("control",), 1)
+    assert case.known.control is not None
+    places = case.known.control.xyz
+    high = f"T{int(np.argmax(places[:, 2]))}"
+    planes = tuple(
+        KnownShape(
+            kind="horizontal plane", points=points, sigma=0.001, value=float(places[int(points[0][1:]), 2])
+        )
+        for points in (("T0", "T1", "T2", "T3"), (high,))
+    )
+    control = replace(case.known.control, xyz=np.full(places.shape, np.nan))
+    known = Known(control=control, measured=case.known.measured, shapes=planes)
+    larger = replace(case.block, centres=1.05 * case.block.centres, points=1.05 * case.block.points)
+    observed = observe(join_measured(larger, known, DEFAULTS), known, DEFAULTS, Run())
+    found = adjust_block(observed.block, Freedom(), Options(), observed.groups)
+    base, true = (np.linalg.norm(block.centres[5] - block.centres[0]) for block in (found.block, case.truth))
+    assert base == pytest.approx(true, rel=0.01)
+    assert "scale at its start" not in found.datum and "3 conditions" in found.datum
+
+
 def test_what_is_named_twice_or_never_photographed_brings_no_unknowns() -> None:
     case = simulate("basic", ("control", "rig"), 1)
     (rig,) = case.known.rigs

@@ -211,7 +211,14 @@ def _held_scale(block: Block, groups: Sequence[Group]) -> list[Group]:
     Without it the block would shrink until those residuals vanish.
     """
     kinds = {group.kind for group in groups}
-    if any(_scales(group) for group in groups) or not {"planes", "lines", "axes", "rig"} & kinds:
+    heights = {
+        float(z) for g in groups if isinstance(g, Coordinates) and g.kind == "planes" for z in g.observed
+    }
+    if (
+        len(heights) > 1
+        or any(_scales(group) for group in groups)
+        or not {"planes", "lines", "axes", "rig"} & kinds
+    ):
         return []
     photos = np.flatnonzero(block.oriented)
     centres = np.asarray(block.centres)[photos]
