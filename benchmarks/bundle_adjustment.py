@@ -183,14 +183,17 @@ def problem(name: str) -> Block:
 
 
 def peak_mb(name: str, which: str) -> float:
-    """Largest resident memory of a process that solves the problem with one program, less that before solving, MB."""
+    """Largest resident memory while one program solves the problem, less that before, MB; in a process of its own."""
     code = (
-        "import resource, sys; sys.path.insert(0, sys.argv[1]); import bundle_adjustment as b\n"
-        "block = b.problem(sys.argv[2]); small = b.aerial_block(6, 300); solve = b.ours if sys.argv[3] == 'ours' else b.theirs\n"
-        "more = {'guard': True} if sys.argv[3] == 'ours' else {}\n"
-        "args = lambda x: (x, 2, 2) if more else (x, 'SPARSE_SCHUR', 2, 2)\n"
-        "solve(*args(small), **more); base = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
-        "solve(*args(block), **more); print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - base) / 1024)"
+        "import sys, threading, time; sys.path.insert(0, sys.argv[1]); import bundle_adjustment as b\n"
+        "rss = lambda: int(open('/proc/self/statm').read().split()[1]) * 4096 / 2**20\n"
+        "block = b.problem(sys.argv[2]); small = b.aerial_block(6, 300); mine = sys.argv[3] == 'ours'\n"
+        "solve = (lambda x: b.ours(x, 2, 2, guard=True)) if mine else (lambda x: b.theirs(x, 'SPARSE_SCHUR', 2, 2))\n"
+        "solve(small); base = peak = rss(); done = False\n"
+        "def watch():\n"
+        "    global peak\n"
+        "    while not done: peak = max(peak, rss()); time.sleep(0.002)\n"
+        "t = threading.Thread(target=watch); t.start(); solve(block); done = True; t.join(); print(peak - base)"
     )
     done = subprocess.run([sys.executable, "-c", code, str(Path(__file__).parent), name, which], check=True,
                           capture_output=True, text=True)  # fmt: skip
@@ -221,9 +224,10 @@ def main() -> None:
         target = min(min(costs) for costs in traces.values()) * (1.0 + CLOSE)
     counts = {name: needed(costs, target) for name, costs in traces.items()}
     times: dict[str, list[float]] = {name: [] for name in runs}
-    for _ in range(given.repeats):
-        for name, run in runs.items():
-            times[name].append(run(counts[name][0])[0])
+    rng = np.random.default_rng(0)
+    for _ in range(given.repeats):  # in random order: the first after another program finds cold caches
+        for name in rng.permutation(list(runs)):
+            times[name].append(runs[name](counts[name][0])[0])
     print(f"{'solver':32} {'iterations':>10} {'cost':>12} {'best s':>8} {'median s':>9}")
     for name, (count, cost) in counts.items():
         best, middle = min(times[name]), statistics.median(times[name])

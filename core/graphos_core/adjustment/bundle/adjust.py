@@ -15,7 +15,7 @@ from graphos_core.adjustment.bundle.kernels import Rules, Scene
 from graphos_core.adjustment.bundle.known.group import Columns, Group
 from graphos_core.adjustment.bundle.levenberg_marquardt import Solution
 from graphos_core.adjustment.bundle.outcome import outcome
-from graphos_core.adjustment.bundle.problem import Freedom, Problem, make_problem, select, usable
+from graphos_core.adjustment.bundle.problem import Freedom, Problem, make_problem, select, trimmed, usable
 from graphos_core.adjustment.bundle.reduced_system import ReducedSystem
 from graphos_core.adjustment.bundle.robust import ROBUST, Robust
 from graphos_core.adjustment.statistics.reliability import non_centrality
@@ -158,10 +158,14 @@ def _without_hidden(
 
     Returns the smaller problem, the solution, and which observations of the block (bool) are left.
     """
+    seen: Array = np.asarray(np.isfinite(residuals).all(axis=1))
+    quick = trimmed(problem, solution.scene, seen)
+    if quick is not None:
+        return quick[0], replace(solution, scene=quick[1]), quick[2]
     block, fixed = problem.to_block(solution.scene), problem.fixed_points
     kept = np.zeros(len(block.points), dtype=bool)
     kept[problem.order] = problem.layout.point_column >= 0
-    keep: Array = np.asarray(np.isfinite(residuals).all(axis=1))
+    keep = seen.copy()
     sigma = None if block.obs_sigma_px is None else block.obs_sigma_px[keep]
     keep[keep] = usable(replace(block, obs_photo=block.obs_photo[keep], obs_point=block.obs_point[keep],
                                 obs_xy=block.obs_xy[keep], obs_sigma_px=sigma), fixed | kept)  # fmt: skip

@@ -226,6 +226,53 @@ def _positions(block: Block, observation: Array) -> Array:
     return xy
 
 
+def trimmed(problem: Problem, scene: Scene, keep: Array) -> tuple[Problem, Scene, Array] | None:
+    """Leave observations out of a problem without other observations; None where more would change than its points.
+
+    Parameters
+    ----------
+    problem : Problem
+    scene : Scene
+        Where its unknowns are.
+    keep : bool (m,)
+        Observations of the block that stay, as far as their points keep two rays.
+
+    Returns
+    -------
+    Problem, Scene, bool (m,)
+        The smaller problem and scene, and which observations of the old block are left.
+    """
+    layout = problem.layout
+    if problem.groups or problem.fixed.any():
+        return None
+    seen = keep[problem.observation]
+    rays = np.add.reduceat(seen.astype(np.int64), layout.start[:-1])
+    stays = rays >= 2
+    seen &= np.repeat(stays, np.diff(layout.start))
+    photo = layout.photo[seen]
+    if np.any(
+        (np.bincount(photo, minlength=len(layout.pose)) > 0)
+        != (np.bincount(layout.photo, minlength=len(layout.pose)) > 0)
+    ):
+        return None
+    left = np.zeros(len(keep), dtype=bool)
+    left[problem.observation[seen]] = True
+    block, points = select(problem.block, left)
+    place = np.full(len(problem.order), -1)
+    place[points] = np.arange(len(points))
+    start = np.concatenate([[0], np.cumsum(rays[stays])])
+    smaller = layout._replace(
+        start=start, photo=photo, xy=layout.xy[seen], weight=layout.weight[seen],
+        free_point=layout.free_point[stays], point_column=layout.point_column[stays],
+    )  # fmt: skip
+    observation = (np.cumsum(left) - 1)[problem.observation[seen]]
+    moved = scene._replace(points=np.ascontiguousarray(scene.points[stays]))
+    chunks = _chunks(start, problem.unknowns)
+    return (
+        Problem(block, smaller, moved, place[problem.order[stays]], observation, problem.unknowns, chunks), moved, left
+    )  # fmt: skip
+
+
 def _weights(block: Block, observation: Array) -> Array:
     if block.obs_sigma_px is None:
         return np.ones(len(observation))
