@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from graphos_core.data import Adjustment, Georeference
+from graphos_core.data import Adjustment, Block, Georeference
 from graphos_core.geometry.rotation import opk_from_matrix
 from graphos_core.number_format import format_value
+from graphos_core.report.adjustment_figures import rotation_covariance, sigma_opk
 from graphos_py.translation import tr
 from graphos_py.views.table_view import Column
 
@@ -62,7 +63,7 @@ def photo_columns(adjustment: Adjustment) -> list[Column]:
     sigmas = angles.copy()
     for i in np.flatnonzero(oriented):
         angles[i] = np.degrees(opk_from_matrix(block.rotations[i]))
-        sigmas[i] = np.degrees(sigma_opk(block.rotations[i], adjustment.sigma_rotations[i]))
+        sigmas[i] = np.degrees(sigma_opk(block.rotations[i], rotation_covariance(adjustment, int(i))))
     centres = np.where(oriented[:, None], np.asarray(block.centres), math.nan)
     with np.errstate(divide="ignore", invalid="ignore"):
         rms = np.sqrt(total / (2 * count))
@@ -77,6 +78,7 @@ def photo_columns(adjustment: Adjustment) -> list[Column]:
     columns.append(
         Column("RMS", rms, "px", digits=3, help=tr("Per coordinate, over the photo's observations."))
     )
+    columns += _tree_columns(block)
     if not oriented.all():
         columns.append(
             Column(
@@ -87,17 +89,19 @@ def photo_columns(adjustment: Adjustment) -> list[Column]:
     return columns
 
 
-def sigma_opk(rotation: Any, sigma: Any, step: float = 1e-6) -> Any:
-    """Return the standard deviations of ω, φ, κ from those of small rotations about the camera's axes, radians.
-
-    The derivatives are taken numerically; correlations between the three axes are not stored and taken as zero.
-    """
-    from graphos_core.geometry.rotation import matrix_from_vector
-
-    base = np.array(opk_from_matrix(rotation))
-    jacobian = np.empty((3, 3))
-    for axis in range(3):
-        turned = matrix_from_vector(step * np.eye(3)[axis]) @ np.asarray(rotation)
-        change = np.array(opk_from_matrix(turned)) - base
-        jacobian[:, axis] = (np.mod(change + np.pi, 2 * np.pi) - np.pi) / step
-    return np.sqrt((jacobian**2) @ np.asarray(sigma) ** 2)
+def _tree_columns(block: Block) -> list[Column]:
+    """Return when, on which photos and how every photo was oriented; no column where nobody recorded it."""
+    tree = block.tree
+    if tree is None:
+        return []
+    order: list[Any] = ["–"] * len(block.names)
+    on, how = ["–"] * len(block.names), ["–"] * len(block.names)
+    for place, (photo, parents, method) in enumerate(zip(tree.photo, tree.on, tree.method, strict=True), 1):
+        order[int(photo)] = place
+        on[int(photo)] = ", ".join(block.names[p] for p in parents[:3]) or tr("first photo")
+        how[int(photo)] = tr(method)
+    return [
+        Column(tr("order"), order, help=tr("When it was oriented.")),
+        Column(tr("oriented on"), on, help=tr("The photos that see most of the points it was oriented by.")),
+        Column(tr("how"), how),
+    ]
