@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, Literal
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from graphos_core.adjustment.bundle import gauss_newton, levenberg_marquardt, powell, result_kernels
 from graphos_core.adjustment.bundle.covariance import cofactors
 from graphos_core.adjustment.bundle.datum import DatumKind
-from graphos_core.adjustment.bundle.kernels import Rules, Scene
-from graphos_core.adjustment.bundle.known.group import Columns, Group
+from graphos_core.adjustment.bundle.hidden import without_hidden
+from graphos_core.adjustment.bundle.kernels import Rules
+from graphos_core.adjustment.bundle.known.group import Group
 from graphos_core.adjustment.bundle.levenberg_marquardt import Solution
 from graphos_core.adjustment.bundle.outcome import outcome
-from graphos_core.adjustment.bundle.problem import Freedom, Problem, make_problem, select, trimmed, usable
+from graphos_core.adjustment.bundle.problem import Freedom, make_problem
 from graphos_core.adjustment.bundle.reduced_system import ReducedSystem
 from graphos_core.adjustment.bundle.robust import ROBUST, Robust
 from graphos_core.adjustment.statistics.reliability import non_centrality
@@ -120,7 +121,7 @@ def adjust_block(
         solution = METHODS[options.method](system, options.max_iterations, options.tolerance, run=run)
         misfit = residuals_of(system, solution)
     if np.isnan(misfit[0]).any():
-        problem, solution, keep = _without_hidden(problem, freedom, solution, misfit[0])
+        problem, solution, keep = without_hidden(problem, freedom, solution, misfit[0])
         system = ReducedSystem(problem, rules, run.threads)
         misfit = misfit[0][keep], misfit[1][keep]
     found = None
@@ -149,50 +150,3 @@ def residuals_of(system: ReducedSystem, solution: Solution) -> tuple[Array, Arra
     residuals[problem.observation] = sorted_residuals
     weights[problem.observation] = sorted_weights
     return residuals, weights
-
-
-def _without_hidden(
-    problem: Problem, freedom: Freedom, solution: Solution, residuals: Array
-) -> tuple[Problem, Solution, Array]:
-    """Drop the observations that ended behind their cameras; they had no weight, so the solution stays.
-
-    Returns the smaller problem, the solution, and which observations of the block (bool) are left.
-    """
-    seen: Array = np.asarray(np.isfinite(residuals).all(axis=1))
-    quick = trimmed(problem, solution.scene, seen)
-    if quick is not None:
-        return quick[0], replace(solution, scene=quick[1]), quick[2]
-    block, fixed = problem.to_block(solution.scene), problem.fixed_points
-    kept = np.zeros(len(block.points), dtype=bool)
-    kept[problem.order] = problem.layout.point_column >= 0
-    keep = seen.copy()
-    sigma = None if block.obs_sigma_px is None else block.obs_sigma_px[keep]
-    keep[keep] = usable(replace(block, obs_photo=block.obs_photo[keep], obs_point=block.obs_point[keep],
-                                obs_xy=block.obs_xy[keep], obs_sigma_px=sigma), fixed | kept)  # fmt: skip
-    smaller, points = select(block, keep)
-    place = np.full(len(block.points), -1)
-    place[points] = np.arange(len(points))
-    groups = [
-        moved
-        for group, at in zip(problem.groups, problem.columns, strict=True)
-        if (moved := _renumber(group, at, problem.order, place, solution.scene)) is not None
-    ]
-    left = make_problem(smaller, replace(freedom, fixed_points=fixed[points]), groups)
-    return left, replace(solution, scene=left.scene), keep
-
-
-def _renumber(group: Group, at: Columns, order: Array, place: Array, scene: Scene) -> Group | None:
-    """Return a group whose points are those of the smaller block and whose own unknowns start as adjusted."""
-    now = np.full(len(at.point), -1)
-    there = at.point >= 0
-    now[there] = place[order[at.point[there]]]
-    rest = group.restrict(now >= 0, np.ones(len(scene.centres), dtype=bool))
-    if rest is None:
-        return None
-    fields: dict[str, Any] = {}
-    if len(rest.points):
-        fields = {name: now[getattr(rest, name)] for name in ("point", "a", "b") if hasattr(rest, name)}
-    if rest.extras:
-        found = scene.extra[at.extra_value : at.extra_value + len(rest.extras)]
-        fields["extras"] = tuple(replace(e, value=float(v)) for e, v in zip(rest.extras, found, strict=True))
-    return replace(rest, **fields)  # type: ignore[type-var]

@@ -11,6 +11,7 @@ import numpy as np
 
 from graphos_core.adjustment.bundle.kernels import Layout, Scene
 from graphos_core.adjustment.bundle.known.group import Columns, Group
+from graphos_core.adjustment.bundle.selection import select, usable
 from graphos_core.cameras import camera_model, pre_corrected, values_of
 from graphos_core.data import Array, Block
 from graphos_core.errors import UserError
@@ -102,62 +103,6 @@ class Problem:
         )
 
 
-def usable(block: Block, single: Array) -> Array:
-    """Say which observations can take part: oriented photo, first of its point and photo, point with two rays.
-
-    Parameters
-    ----------
-    block : Block
-    single : bool (p,)
-        Points for which one ray is enough: those held fixed, and those that other observations concern.
-
-    Returns
-    -------
-    bool (m,)
-        In the order of the block's observations.
-    """
-    keep = np.asarray(block.oriented)[block.obs_photo] & np.isfinite(block.obs_xy).all(axis=1)
-    key = block.obs_point.astype(np.int64) * len(block.names) + block.obs_photo
-    if np.any(np.diff(key) <= 0):  # not sorted, or twice: keep the first of each
-        first = np.zeros(len(key), dtype=bool)
-        candidates = np.flatnonzero(keep)
-        first[candidates[np.unique(key[candidates], return_index=True)[1]]] = True
-        keep &= first
-    rays = np.bincount(block.obs_point[keep], minlength=len(block.points))
-    return keep & ((rays >= 2) | single)[block.obs_point]
-
-
-def select(block: Block, keep: Array) -> tuple[Block, Array]:
-    """Keep some observations, sorted by point and photo, and drop the points that lose all of theirs.
-
-    Returns
-    -------
-    Block
-    int64 (p,)
-        Old index of each remaining point.
-    """
-    key = block.obs_point.astype(np.int64) * len(block.names) + block.obs_photo
-    rays = np.bincount(block.obs_point[keep], minlength=len(block.points))
-    in_order = bool((np.diff(key) > 0).all())
-    if in_order and keep.all() and (rays > 0).all():
-        return block, np.arange(len(block.points))
-    index = np.flatnonzero(keep)
-    if not in_order:
-        index = index[np.lexsort((block.obs_photo[index], block.obs_point[index]))]
-    points = np.flatnonzero(rays > 0)
-    obs_point = (np.cumsum(rays > 0) - 1)[block.obs_point[index]]
-    return replace(
-        block,
-        points=block.points[points],
-        colours=block.colours[points],
-        point_track=block.point_track[points],
-        obs_photo=block.obs_photo[index],
-        obs_point=obs_point.astype(np.int32),
-        obs_xy=block.obs_xy[index],
-        obs_sigma_px=None if block.obs_sigma_px is None else block.obs_sigma_px[index],
-    ), points
-
-
 def make_problem(block: Block, freedom: Freedom, groups: Sequence[Group] = ()) -> Problem:
     """Prepare the adjustment of a block.
 
@@ -212,7 +157,7 @@ def make_problem(block: Block, freedom: Freedom, groups: Sequence[Group] = ()) -
         extra,
     )
     return Problem(
-        block, layout, scene, order, observation, unknowns, _chunks(start, unknowns), present, columns
+        block, layout, scene, order, observation, unknowns, chunks_of(start, unknowns), present, columns
     )
 
 
@@ -224,53 +169,6 @@ def _positions(block: Block, observation: Array) -> Array:
             mine = np.asarray(block.camera_of_photo)[block.obs_photo[observation]] == c
             xy[mine] = pre_corrected(camera, xy[mine])
     return xy
-
-
-def trimmed(problem: Problem, scene: Scene, keep: Array) -> tuple[Problem, Scene, Array] | None:
-    """Leave observations out of a problem without other observations; None where more would change than its points.
-
-    Parameters
-    ----------
-    problem : Problem
-    scene : Scene
-        Where its unknowns are.
-    keep : bool (m,)
-        Observations of the block that stay, as far as their points keep two rays.
-
-    Returns
-    -------
-    Problem, Scene, bool (m,)
-        The smaller problem and scene, and which observations of the old block are left.
-    """
-    layout = problem.layout
-    if problem.groups or problem.fixed.any():
-        return None
-    seen = keep[problem.observation]
-    rays = np.add.reduceat(seen.astype(np.int64), layout.start[:-1])
-    stays = rays >= 2
-    seen &= np.repeat(stays, np.diff(layout.start))
-    photo = layout.photo[seen]
-    if np.any(
-        (np.bincount(photo, minlength=len(layout.pose)) > 0)
-        != (np.bincount(layout.photo, minlength=len(layout.pose)) > 0)
-    ):
-        return None
-    left = np.zeros(len(keep), dtype=bool)
-    left[problem.observation[seen]] = True
-    block, points = select(problem.block, left)
-    place = np.full(len(problem.order), -1)
-    place[points] = np.arange(len(points))
-    start = np.concatenate([[0], np.cumsum(rays[stays])])
-    smaller = layout._replace(
-        start=start, photo=photo, xy=layout.xy[seen], weight=layout.weight[seen],
-        free_point=layout.free_point[stays], point_column=layout.point_column[stays],
-    )  # fmt: skip
-    observation = (np.cumsum(left) - 1)[problem.observation[seen]]
-    moved = scene._replace(points=np.ascontiguousarray(scene.points[stays]))
-    chunks = _chunks(start, problem.unknowns)
-    return (
-        Problem(block, smaller, moved, place[problem.order[stays]], observation, problem.unknowns, chunks), moved, left
-    )  # fmt: skip
 
 
 def _weights(block: Block, observation: Array) -> Array:
@@ -372,7 +270,7 @@ def _free_parameters(block: Block, freedom: Freedom) -> tuple[Array, Array]:
     return free_index, free_count
 
 
-def _chunks(start: Array, unknowns: int) -> tuple[tuple[int, int, int], ...]:
+def chunks_of(start: Array, unknowns: int) -> tuple[tuple[int, int, int], ...]:
     """Cut the points into chunks of equal work; how many depends on the size of the block, not on threads."""
     rays = np.diff(start)
     work = np.cumsum(rays.astype(np.float64) * (rays + 8))
