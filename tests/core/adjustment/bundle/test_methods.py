@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -44,16 +45,28 @@ def test_a_far_start_is_left_downhill(make_block, method: str) -> None:
     assert all(b <= a * (1 + 1e-12) for a, b in pairwise(costs))
 
 
-@pytest.mark.parametrize("shares", [(0.0, 1e-3), (1e-3, 0.0), (6e-4, 8e-4)])
-def test_the_dogleg_model_predicts_what_a_small_blend_gains(make_block, shares: tuple[float, float]) -> None:
-    problem = make_problem(make_block(points=120).start, FREE)
+@pytest.mark.parametrize("shares", [(0.0, 1.0), (0.5, 0.0), (0.5, 0.8)])
+def test_the_dogleg_model_predicts_what_a_blend_gains(make_block, shares: tuple[float, float]) -> None:
+    """Close to the minimum the cost is quadratic; the second share is in units of the Cauchy step."""
+    problem = make_problem(make_block(points=120, shake=1e-5).start, FREE)
     system = ReducedSystem(problem, Rules(0, 1.0, True), 1)
     with system.working():
         equations = system.build(problem.scene, 0.0)
         model = quadratic_model(system, equations)
-        moved = blended(system, equations, model, shares)
-    gain = equations.cost - moved.cost
-    assert gain == pytest.approx(model.predicted(*shares), rel=5e-3)
+        blend = shares[0], shares[1] * model.gd / model.curvature
+        moved = blended(system, equations, model, blend)
+    assert equations.cost - moved.cost == pytest.approx(model.predicted(*blend), rel=0.02)
+
+
+@pytest.mark.parametrize("method", ["gauss-newton", "powell"])
+def test_a_step_that_overshoots_is_shortened_and_the_minimum_still_reached(make_block, method: str) -> None:
+    made = make_block(points=120, shake=0.25, seed=2)
+    found = adjust_block(made.start, FREE, Options(method=method, max_iterations=60))
+    shares = [record.damping for record in found.iterations[1:] if record.accepted]
+    assert 0.0 < min(shares) < 1.0
+    reference = adjust_block(made.truth, FREE, Options())
+    noisy = adjust_block(replace(reference.block, obs_xy=made.start.obs_xy), FREE, Options())
+    assert found.iterations[-1].cost == pytest.approx(noisy.iterations[-1].cost, rel=1e-6)
 
 
 @pytest.mark.parametrize("method", ["levenberg-marquardt", "gauss-newton", "powell"])
