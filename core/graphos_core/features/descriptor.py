@@ -29,7 +29,7 @@ ORIENTATIONS = 36
 """Bins of the orientation histogram, 10° each."""
 WINDOW, REACH = 1.5, 3.0
 """σ of the orientation histogram's weight in units of the keypoint's σ; where it ends, in units of that."""
-FLAT = 0.01
+FLAT = 0.1
 """Histograms of less, in grey levels, are rounding errors of the blur: no direction, no descriptor."""
 PEAK_SHARE = 0.8
 """A further peak of at least this share of the highest makes a further keypoint (Lowe 2004, section 5)."""
