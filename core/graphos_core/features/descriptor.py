@@ -29,7 +29,7 @@ ORIENTATIONS = 36
 """Bins of the orientation histogram, 10° each."""
 WINDOW, REACH = 1.5, 3.0
 """σ of the orientation histogram's weight in units of the keypoint's σ; where it ends, in units of that."""
-FLAT = 0.1
+FLAT = 0.01
 """Histograms of less, in grey levels, are rounding errors of the blur: no direction, no descriptor."""
 PEAK_SHARE = 0.8
 """A further peak of at least this share of the highest makes a further keypoint (Lowe 2004, section 5)."""
@@ -187,9 +187,8 @@ def orientation_peaks(histogram: Array, share: float = PEAK_SHARE) -> Array:
     A parabola through a peak and its two neighbours gives its place between the bins.
     """
     before, after = np.roll(histogram, 1), np.roll(histogram, -1)
-    peaks = np.flatnonzero(
-        (histogram > before) & (histogram > after) & (histogram >= share * histogram.max())
-    )
+    least = max(share * float(histogram.max()), FLAT)
+    peaks = np.flatnonzero((histogram > before) & (histogram > after) & (histogram >= least))
     peaks = peaks[np.argsort(-histogram[peaks], kind="stable")]
     a, b, c = before[peaks], histogram[peaks], after[peaks]
     angles = (peaks + 0.5 * (a - c) / (a - 2.0 * b + c)) * (2 * math.pi / ORIENTATIONS)
