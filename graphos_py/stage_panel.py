@@ -27,8 +27,10 @@ from graphos_py.translation import tr
 ROLE_LABELS = {
     "filter": "Filters",
     "detector": "Detector",
+    "pairs": "Pairs",
     "matcher": "Matching",
     "verification": "Verification",
+    "thinning": "Thinning",
     "tracks": "Tracks",
     "orientation": "Orientation",
     "bundle": "Bundle adjustment",

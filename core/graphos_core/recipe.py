@@ -38,8 +38,10 @@ DEFAULTS: Mapping[str, Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "preprocessing": {"filter": ()},
         "features": {
             "detector": ("sift",),
+            "pairs": ("all",),
             "matcher": ("mutual",),
             "verification": ("usac",),
+            "thinning": ("every",),
             "tracks": ("tracks",),
         },
         "adjustment": {
@@ -291,6 +293,8 @@ def _check_role(stage: str, role: str) -> None:
 def _of_today(algorithm: str, values: dict[str, Any]) -> dict[str, Any]:
     """Return parameters of a recipe of version 0.1.0 under the names they have now."""
     retired = {"free_k1": "k1", "free_k2": "k2"} if algorithm == "adjustment.schur" else {}
+    if algorithm == "features.sift" and values.get("selection") == "even":
+        return values | {"selection": "grid"}
     held = [new for old, new in retired.items() if values.get(old) is False]
     kept = {name: value for name, value in values.items() if name not in retired}
     if held:

@@ -10,8 +10,10 @@ stage                     role                   protocol
 ========================  =====================  =========================================================
 preprocessing             filter                 `Filter`, one photo; filters form a chain
 features                  detector               `Detector`, one photo
+features                  pairs                  `PairSelector`, all photos: which pairs are matched
 features                  matcher                `Matcher`, one pair: candidate matches
 features                  verification           `Verification`, one pair: verified matches
+features                  thinning               `Thinning`, one pair: the verified matches that are kept
 features                  tracks                 `TrackBuilder`, all pairs
 adjustment                orientation            `Orientation`, tracks to oriented block
 adjustment                georeferencing         `Georeferencing`, oriented block to the object frame
@@ -33,6 +35,7 @@ from graphos_core.data import (
     Array,
     Block,
     Camera,
+    Candidates,
     Cloud,
     DepthMap,
     Features,
@@ -40,6 +43,7 @@ from graphos_core.data import (
     Known,
     Mesh,
     PairMatches,
+    PairSelection,
     PhotoSet,
     Tracks,
     record,
@@ -79,15 +83,28 @@ class Filter(Protocol):
 
 
 class Detector(Protocol):
-    """Grey photo uint8 (h, w), and the colour one for `Features.colour`, to features."""
+    """Grey photo uint8 (h, w), and the colour one for `Features.colour`, to features.
 
-    def __call__(self, grey: Array, colour: Array, params: Any, *, run: Run) -> Features: ...
+    `mask` is bool (h, w), True where points may be; None: everywhere.
+    """
+
+    def __call__(
+        self, grey: Array, colour: Array, params: Any, *, run: Run, mask: Array | None = None
+    ) -> Features: ...
+
+
+class PairSelector(Protocol):
+    """Photos and their features to the pairs that are matched."""
+
+    def __call__(
+        self, photos: PhotoSet, features: Sequence[Features], params: Any, *, run: Run
+    ) -> PairSelection: ...
 
 
 class Matcher(Protocol):
-    """Features of two photos to candidate matches int32 (n, 2)."""
+    """Features of two photos to candidate matches."""
 
-    def __call__(self, a: Features, b: Features, params: Any, *, run: Run) -> Array: ...
+    def __call__(self, a: Features, b: Features, params: Any, *, run: Run) -> Candidates: ...
 
 
 class Verification(Protocol):
@@ -98,11 +115,19 @@ class Verification(Protocol):
         index: tuple[int, int],
         a: Features,
         b: Features,
-        candidates: Array,
+        candidates: Candidates,
         cameras: tuple[Camera, Camera],
         params: Any,
         *,
         run: Run,
+    ) -> PairMatches: ...
+
+
+class Thinning(Protocol):
+    """Verified matches of a pair to those that are kept; `ratio` and `matches` stay parallel."""
+
+    def __call__(
+        self, pair: PairMatches, a: Features, b: Features, params: Any, *, run: Run
     ) -> PairMatches: ...
 
 

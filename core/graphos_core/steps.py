@@ -115,6 +115,19 @@ def _keypoints(pipeline: Pipeline, folder: Path, run: Run) -> tuple[Features, ..
     return tuple(detect_all(count, lambda i: photo_grey_and_colour(pipeline, i), algorithm, params, run))
 
 
+def _pairs(pipeline: Pipeline, folder: Path, run: Run) -> Any:
+    algorithm, params = pipeline.recipe.algorithm("features", "pairs")
+    return algorithm.function(pipeline.photos, pipeline.value("keypoints"), params, run=run)
+
+
+def _positions(pipeline: Pipeline) -> Any:
+    """Where the photos say they were taken, which the choice of pairs may depend on."""
+    return [
+        [photo.exif.latitude_deg, photo.exif.longitude_deg, photo.exif.altitude_m]
+        for photo in pipeline.photos.photos
+    ]
+
+
 def _matches(pipeline: Pipeline, folder: Path, run: Run) -> Any:
     from graphos_core.features.stage import match_all
     from graphos_core.results import FeaturesResult
@@ -124,7 +137,8 @@ def _matches(pipeline: Pipeline, folder: Path, run: Run) -> Any:
     cameras = [photos.cameras[p.camera] for p in photos.photos]
     pairs = match_all(
         features, cameras, pipeline.recipe.algorithm("features", "matcher"),
-        pipeline.recipe.algorithm("features", "verification"), run,
+        pipeline.recipe.algorithm("features", "verification"), run, pipeline.value("pairs").pairs.tolist(),
+        pipeline.recipe.algorithm("features", "thinning"),
     )  # fmt: skip
     builder, params = pipeline.recipe.algorithm("features", "tracks")
     tracks = builder.function(features, pairs, params, run=run)
@@ -271,8 +285,10 @@ STEPS: dict[str, Step] = {
              lambda v: Text("{n} photos filtered", n=_count(len(v.files))) if v.files else Text("photos as they are")),
         Step("keypoints", "features", "images", ("detector",), _keypoints,
              lambda v: Text("{n} keypoints", n=_count(sum(len(f.xy) for f in v)))),
-        Step("matches", "features", "keypoints", ("matcher", "verification", "tracks"), _matches, _features_line,
-             _cameras),
+        Step("pairs", "features", "keypoints", ("pairs",), _pairs,
+             lambda v: Text("{n} of {total} pairs", n=_count(len(v.pairs)), total=_count(v.possible)), _positions),
+        Step("matches", "features", "pairs", ("matcher", "verification", "thinning", "tracks"), _matches,
+             _features_line, _cameras),
         Step("orientation", "adjustment", "matches", ("orientation",), _orientation,
              lambda v: Text("{n} of {total} photos oriented", n=int(v.oriented.sum()), total=len(v.names)), _given),
         Step("georeference", "adjustment", "orientation", ("georeferencing",), _georeference,

@@ -28,7 +28,7 @@ from graphos_core.data.control import (
 )
 from graphos_core.data.features import Features
 from graphos_core.data.images import Exif, Photo, PhotoSet
-from graphos_core.data.matches import PairMatches, Tracks
+from graphos_core.data.matches import Candidates, PairMatches, PairSelection, Tracks
 from graphos_core.data.record import Array, record
 from graphos_core.data.tree import OrientationTree
 
@@ -37,6 +37,7 @@ __all__ = [
     "Array",
     "Block",
     "Camera",
+    "Candidates",
     "CheckPoints",
     "Cloud",
     "Control",
@@ -60,6 +61,7 @@ __all__ = [
     "ObservationGroup",
     "OrientationTree",
     "PairMatches",
+    "PairSelection",
     "Photo",
     "PhotoSet",
     "Reliability",

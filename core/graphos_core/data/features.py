@@ -26,6 +26,8 @@ class Features:
         Size of the photo, px.
     found : int
         How many the detector found before the number was limited.
+    metric : {"l2", "hamming"}
+        How descriptors compare: Euclidean distance, or number of different bits (uint8 bytes of binary descriptors).
     """
 
     xy: Array
@@ -37,3 +39,4 @@ class Features:
     width: int
     height: int
     found: int = 0
+    metric: str = "l2"

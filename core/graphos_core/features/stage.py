@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import combinations
 
@@ -20,9 +21,17 @@ Choice = tuple[Algorithm, Params]
 PhotoReader = Callable[[int], tuple[Array, Array]]
 """Reads photo i: the grey photo uint8 (h, w), preprocessed, and the colour one uint8 (h, w, 3)."""
 
+MaskReader = Callable[[int], Array | None]
+"""Reads the mask of photo i: bool (h, w), True where points may be; None: everywhere."""
+
 
 def detect_all(
-    count: int, read: PhotoReader, detector: Algorithm, params: Params, run: Run
+    count: int,
+    read: PhotoReader,
+    detector: Algorithm,
+    params: Params,
+    run: Run,
+    mask: MaskReader = lambda index: None,
 ) -> list[Features]:
     """Find the features of all photos.
 
@@ -40,6 +49,8 @@ def detect_all(
     params : Params
         Of the detector.
     run : Run
+    mask : callable, optional
+        Reads the mask of photo i.
 
     Raises
     ------
@@ -53,7 +64,7 @@ def detect_all(
         for index in each(run, range(count), "photos"):
             grey, colour = read(index)
             run.check()
-            found.append(detector.function(grey, colour, params, run=run))
+            found.append(detector.function(grey, colour, params, run=run, mask=mask(index)))
             run.show("features", (index, found[-1]))
         return found
     finally:
@@ -66,7 +77,8 @@ def match_all(
     matcher: Choice,
     verification: Choice,
     run: Run,
-    pairs: Sequence[tuple[int, int]] | None = None,
+    pairs: Sequence[Sequence[int]] | None = None,
+    thinning: Choice | None = None,
 ) -> list[PairMatches]:
     """Match and verify pairs of photos.
 
@@ -84,6 +96,8 @@ def match_all(
     run : Run
     pairs : sequence of (int, int), optional
         All pairs by default.
+    thinning : (Algorithm, Params), optional
+        Every verified match is kept by default.
 
     Returns
     -------
@@ -95,10 +109,11 @@ def match_all(
     Stopped
         When the person asked to stop.
     """
-    todo = list(combinations(range(len(features)), 2)) if pairs is None else list(pairs)
+    todo = list(combinations(range(len(features)), 2)) if pairs is None else [(a, b) for a, b in pairs]
     task = partial(
-        _match_pair, features=features, cameras=cameras, matcher=matcher, verification=verification, run=run
-    )
+        _match_pair, features=features, cameras=cameras, matcher=matcher, verification=verification,
+        thinning=thinning, run=run,
+    )  # fmt: skip
     with threadpool_limits(1, "blas"):
         return map_items(run, task, todo, "pairs")
 
@@ -109,6 +124,7 @@ def _match_pair(
     cameras: Sequence[Camera],
     matcher: Choice,
     verification: Choice,
+    thinning: Choice | None,
     run: Run,
 ) -> PairMatches:
     a, b = features[index[0]], features[index[1]]
@@ -118,5 +134,10 @@ def _match_pair(
     verified: PairMatches = verification[0].function(
         index, a, b, candidates, (cameras[index[0]], cameras[index[1]]), verification[1], run=run
     )
+    steps = (*candidates.steps, ("verified", len(verified.matches)))
+    if thinning is not None and not verified.reason:
+        verified = thinning[0].function(verified, a, b, thinning[1], run=run)
+        steps = (*steps, ("kept", len(verified.matches)))
+    verified = replace(verified, steps=steps)
     run.show("pair", verified)
     return verified

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from graphos_core.cameras import camera_model, ray_from_pixel
-from graphos_core.data import Array, Camera, Features, PairMatches
+from graphos_core.data import Array, Camera, Candidates, Features, PairMatches
 from graphos_core.geometry.epipolar import (
     essential_from_relative,
     fundamental_from_essential,
@@ -119,7 +119,7 @@ def usac(
     index: tuple[int, int],
     a: Features,
     b: Features,
-    candidates: Array,
+    candidates: Candidates,
     cameras: tuple[Camera, Camera],
     params: UsacParams,
     *,
@@ -137,8 +137,7 @@ def usac(
     index : (int, int)
         Indices of the photos.
     a, b : Features
-    candidates : int32 (n, 2)
-        Feature indices in a and b.
+    candidates : Candidates
     cameras : (Camera, Camera)
     params : UsacParams
     run : Run
@@ -155,7 +154,8 @@ def usac(
         kind = "essential"
     if len(candidates) < max(params.minimum, SMALLEST_SAMPLE[kind] + 1):
         return _rejected(index, candidates, params, "candidate", len(candidates))
-    xy_a, xy_b = a.xy[candidates[:, 0]].astype(np.float64), b.xy[candidates[:, 1]].astype(np.float64)
+    matches = candidates.matches
+    xy_a, xy_b = a.xy[matches[:, 0]].astype(np.float64), b.xy[matches[:, 1]].astype(np.float64)
     if wide:
         matrix, verified = _by_rays(index, xy_a, xy_b, cameras, params, run.seed)
     else:
@@ -167,11 +167,12 @@ def usac(
     return PairMatches(
         a=index[0],
         b=index[1],
-        matches=np.ascontiguousarray(candidates[verified], dtype=np.int32),
+        matches=np.ascontiguousarray(matches[verified], dtype=np.int32),
         candidates=len(candidates),
         kind=kind,
         matrix=matrix,
         threshold_px=params.threshold,
+        ratio=candidates.ratio[verified],
     )
 
 
@@ -218,7 +219,7 @@ def _by_rays(
 
 
 def _rejected(
-    index: tuple[int, int], candidates: Array, params: UsacParams, what: str, n: int
+    index: tuple[int, int], candidates: Candidates, params: UsacParams, what: str, n: int
 ) -> PairMatches:
     template = (
         "only {count} candidate matches, {needed} needed"

@@ -71,12 +71,12 @@ def test_matches_of_the_graffiti_wall_agree_with_its_homography(data_dir: Path, 
         return np.linalg.norm(projected - b.xy[chosen[:, 1]], axis=1) < 3.0
 
     # the description of the data names 354 of 632 for SIFT with the ratio test in one direction
-    assert right(matches).sum() > 300
-    assert right(matches).mean() > 354 / 632
+    assert right(matches.matches).sum() > 300
+    assert right(matches.matches).mean() > 354 / 632
     unknown = Camera(model="basic", width=800, height=640, values=np.array([960.0, 399.5, 319.5, 0.0, 0.0]),
                      focal_estimated=True)  # fmt: skip
     verified = usac((0, 1), a, b, matches, (unknown, unknown), UsacParams(threshold=2.0), run=RUN)
-    assert right(verified.matches).mean() > right(matches).mean()
+    assert right(verified.matches).mean() > right(matches.matches).mean()
 
 
 def test_photos_of_different_objects_are_not_connected(data_dir: Path) -> None:

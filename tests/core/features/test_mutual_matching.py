@@ -58,7 +58,7 @@ def test_matches_are_mutual_and_pass_the_ratio_from_both_sides() -> None:
         and distance[i, j] < 0.8 * np.partition(distance[i], 1)[1]
         and distance[i, j] < 0.8 * np.partition(distance[:, j], 1)[1]
     ]
-    found = mutual(features(a), features(b), MutualParams(), run=RUN)
+    found = mutual(features(a), features(b), MutualParams(), run=RUN).matches
     assert found.dtype == np.int32
     assert [tuple(pair) for pair in found.tolist()] == expected
     assert [(i, i - 100) for i in range(120, 300)] == expected
@@ -69,7 +69,10 @@ def test_matches_are_mutual_and_pass_the_ratio_from_both_sides() -> None:
 def test_a_looser_ratio_only_adds_matches() -> None:
     a, b = bytes_of_length_512(500, 6), bytes_of_length_512(500, 7)
     found = [
-        {tuple(pair) for pair in mutual(features(a), features(b), MutualParams(ratio=q), run=RUN).tolist()}
+        {
+            tuple(pair)
+            for pair in mutual(features(a), features(b), MutualParams(ratio=q), run=RUN).matches.tolist()
+        }
         for q in (0.7, 0.9, 0.97, 1.0)
     ]
     assert all(one <= two for one, two in itertools.pairwise(found))
@@ -90,7 +93,7 @@ def test_float_descriptors_are_matched_too() -> None:
     rng = np.random.default_rng(10)
     a = rng.normal(size=(120, 64)).astype(np.float32)
     b = (a[::-1] + rng.normal(0, 0.05, a.shape)).astype(np.float32)
-    found = mutual(features(a), features(b), MutualParams(), run=RUN)
+    found = mutual(features(a), features(b), MutualParams(), run=RUN).matches
     assert np.array_equal(found, np.stack([np.arange(120), np.arange(120)[::-1]], axis=1))
 
 
@@ -98,5 +101,5 @@ def test_photos_with_hardly_any_points_have_no_matches() -> None:
     some = features(bytes_of_length_512(50, 11))
     for count in (0, 1):
         few = features(bytes_of_length_512(count, 12))
-        assert mutual(few, some, MutualParams(), run=RUN).shape == (0, 2)
-        assert mutual(some, few, MutualParams(), run=RUN).shape == (0, 2)
+        assert mutual(few, some, MutualParams(), run=RUN).matches.shape == (0, 2)
+        assert mutual(some, few, MutualParams(), run=RUN).matches.shape == (0, 2)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from graphos_core.cameras import pixel_from_ray
-from graphos_core.data import Camera, Features
+from graphos_core.data import Camera, Candidates, Features
 from graphos_core.features.verification import UsacParams, usac
 from graphos_core.geometry.epipolar import (
     essential_from_relative,
@@ -44,7 +44,7 @@ def pair(right: int = 300, wrong: int = 100, seed: int = 0) -> tuple[Features, F
 def verify(right: int = 300, wrong: int = 100, camera: Camera = CAMERA, seed: int = 0, **params: object):
     a, b, candidates = pair(right, wrong)
     sheet = UsacParams(**{"threshold": 1.5, **params})
-    return usac((0, 1), a, b, candidates, (camera, camera), sheet, run=Run(seed=seed))
+    return usac((0, 1), a, b, Candidates.of(candidates), (camera, camera), sheet, run=Run(seed=seed))
 
 
 @pytest.mark.parametrize("model", ["essential", "fundamental"])
@@ -99,7 +99,9 @@ def test_points_in_one_place_are_rejected_and_do_not_stop_the_work() -> None:
     same = photo(np.full((40, 2), 500.0))
     index = np.stack([np.arange(40, dtype=np.int32)] * 2, axis=1)
     for model in ("essential", "fundamental"):
-        found = usac((0, 1), same, same, index, (CAMERA, CAMERA), UsacParams(model=model), run=Run())
+        found = usac(
+            (0, 1), same, same, Candidates.of(index), (CAMERA, CAMERA), UsacParams(model=model), run=Run()
+        )
         assert found.a == 0 and (found.reason or len(found.matches) == 40)
 
 

@@ -2,7 +2,7 @@ import cv2
 import numpy as np
 import pytest
 
-from graphos_core.features.detectors.selection import choose_evenly, choose_largest
+from graphos_core.features.detectors.selection import choose
 from graphos_core.features.detectors.sift import SiftParams, sift
 from graphos_core.run import Run
 
@@ -82,12 +82,13 @@ def test_choosing_evenly_reaches_weakly_occupied_parts() -> None:
     sparse = rng.uniform((500, 0), (1000, 1000), (200, 2))
     xy = np.concatenate([crowded, sparse])
     scale = np.concatenate([rng.uniform(5, 10, 5000), rng.uniform(1, 4, 200)])
-    even, largest = (choose(xy, scale, 400, (1000, 1000)) for choose in (choose_evenly, choose_largest))
+    even, largest = (choose(how, xy, scale, scale, 400, (1000, 1000)) for how in ("grid", "scale"))
     assert (xy[largest, 0] >= 500).sum() == 0
     assert (xy[even, 0] >= 500).sum() > 120
     assert len(even) == len(np.unique(even)) == 400
     assert np.array_equal(
-        choose_evenly(xy, scale, 10_000, (1000, 1000)), choose_largest(xy, scale, 10_000, (1000, 1000))
+        choose("grid", xy, scale, scale, 10_000, (1000, 1000)),
+        choose("scale", xy, scale, scale, 10_000, (1000, 1000)),
     )
 
 

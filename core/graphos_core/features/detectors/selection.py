@@ -12,34 +12,46 @@ POINTS_PER_CELL = 8
 """Points wanted in each cell of the even selection."""
 
 
-def choose_largest(xy: Array, scale: Array, maximum: int, size: tuple[int, int]) -> Array:
-    """Return the indices of the `maximum` largest points, in the order of scale, then y, then x.
+def choose(how: str, xy: Array, scale: Array, response: Array, maximum: int, size: tuple[int, int]) -> Array:
+    """Return the indices of at most `maximum` points.
 
     Parameters
     ----------
+    how : {"scale", "strength", "grid"}
+        Value of `PointParams.selection`.
     xy : float64 (n, 2)
         Positions, px.
     scale : float64 (n,)
         Diameters, px.
+    response : float64 (n,)
     maximum : int
     size : (int, int)
-        Width and height of the photo, px; not used.
+        Width and height of the photo, px.
     """
-    return np.lexsort((xy[:, 0], xy[:, 1], -scale))[:maximum]
+    if how == "strength":
+        return by_rank(xy, response)[:maximum]
+    order = by_rank(xy, scale)
+    return spread_over_cells(order, xy, maximum, size) if how == "grid" else order[:maximum]
 
 
-def choose_evenly(xy: Array, scale: Array, maximum: int, size: tuple[int, int]) -> Array:
-    """Return the indices of at most `maximum` points spread over the photo, largest first.
+def by_rank(xy: Array, value: Array) -> Array:
+    """Return all indices, largest value first, ties in the order of y, then x."""
+    return np.lexsort((xy[:, 0], xy[:, 1], -value))
+
+
+def spread_over_cells(order: Array, xy: Array, maximum: int, size: tuple[int, int]) -> Array:
+    """Return at most `maximum` of the ranked points, spread over the photo.
 
     The photo is divided into square cells of which each would get `POINTS_PER_CELL` points. Every cell offers its
-    largest point first; all first offers are taken before any second one, until `maximum` are taken.
+    first point first; all first offers are taken before any second one, until `maximum` are taken.
 
     Parameters
     ----------
-    xy, scale, maximum, size
-        As in `choose_largest`.
+    order : int (n,)
+        Indices of the points, best first.
+    xy, maximum, size
+        As in `choose`.
     """
-    order = choose_largest(xy, scale, len(xy), size)
     if len(order) <= maximum:
         return order
     side = math.sqrt(size[0] * size[1] * POINTS_PER_CELL / maximum)

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import numpy as np
 
-from graphos_core.data import Array, Features
+from graphos_core.data import Array, Candidates, Features
 from graphos_core.features.matchers.kernels import scan_rows
 from graphos_core.params import About, Params
 from graphos_core.registry import algorithm
@@ -56,7 +56,7 @@ class MutualParams(Params):
     source="Lowe 2004, section 7.1 (ratio test)",
     learn=LESSON,
 )
-def mutual(a: Features, b: Features, params: MutualParams, *, run: Run) -> Array:
+def mutual(a: Features, b: Features, params: MutualParams, *, run: Run) -> Candidates:
     r"""Match each point with the nearest descriptor, if it is clearly the nearest and from both photos.
 
     One product gives every distance, ``−½ d² = a·b − ½ a·a − ½ b·b``, the squares as two more columns of the
@@ -72,20 +72,28 @@ def mutual(a: Features, b: Features, params: MutualParams, *, run: Run) -> Array
 
     Returns
     -------
-    int32 (k, 2)
-        Feature indices in a and b, sorted by the first.
+    Candidates
+        With the steps ``nearest``, ``ratio`` and, with `MutualParams.mutual`, ``mutual``.
     """
     n, m = len(a.descriptors), len(b.descriptors)
     if n < 2 or m < 2 or a.descriptors.shape[1] != b.descriptors.shape[1]:
-        return np.zeros((0, 2), np.int32)
+        return Candidates.none()
     row, column = nearest_two(a.descriptors, b.descriptors)
     square = np.float32(params.ratio) ** 2
     passed = _passes(row, square)
     candidate = row[2]
+    steps = [("nearest", n), ("ratio", int(passed.sum()))]
     if params.mutual:
         passed &= (column[2][candidate] == np.arange(n)) & _passes(column, square)[candidate]
+        steps.append(("mutual", int(passed.sum())))
     first = np.flatnonzero(passed)
-    return np.stack([first, candidate[first]], axis=1).astype(np.int32)
+    nearest, second = (np.sqrt(np.maximum(-2.0 * score[first], 0.0)) for score in row[:2])
+    return Candidates(
+        matches=np.stack([first, candidate[first]], axis=1).astype(np.int32),
+        distance=nearest.astype(np.float32),
+        ratio=(nearest / np.maximum(second, 1e-12)).astype(np.float32),
+        steps=tuple(steps),
+    )
 
 
 def nearest_two(a: Array, b: Array) -> tuple[tuple[Array, Array, Array], tuple[Array, Array, Array]]:

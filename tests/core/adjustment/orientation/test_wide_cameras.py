@@ -14,7 +14,7 @@ from graphos_core.adjustment.bundle.problem import Freedom
 from graphos_core.adjustment.orientation.incremental import IncrementalParams, orient_incrementally
 from graphos_core.cameras import camera_model, pixel_from_ray
 from graphos_core.cameras.lens import CIRCLE, with_lens
-from graphos_core.data import Array, Camera, Exif, Features, PairMatches, Photo, PhotoSet, Tracks
+from graphos_core.data import Array, Camera, Candidates, Exif, Features, PairMatches, Photo, PhotoSet, Tracks
 from graphos_core.errors import ParamError
 from graphos_core.features.verification import UsacParams, usac
 from graphos_core.geometry.epipolar import epipolar_circle, essential_from_relative
@@ -140,7 +140,7 @@ def test_wrong_matches_between_fisheye_photos_are_found_and_right_ones_kept() ->
         for xy in (xy_a, xy_b)
     )  # fmt: skip
     every = np.repeat(np.arange(len(common), dtype=np.int32)[:, None], 2, axis=1)
-    found = usac((1, 7), *features, every, (photos.cameras[0],) * 2, UsacParams(), run=Run())
+    found = usac((1, 7), *features, Candidates.of(every), (photos.cameras[0],) * 2, UsacParams(), run=Run())
     kept = np.isin(np.arange(len(common)), found.matches[:, 0])
     assert found.kind == "essential" and kept[wrong:].mean() > 0.97 and kept[:wrong].mean() < 0.15
 
