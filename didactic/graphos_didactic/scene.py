@@ -277,7 +277,10 @@ def scene_table(scene: Scene) -> list[dict[str, Any]]:
         if isinstance(mark, Number):
             rows.append(base | {"value": mark.value, "sigma": mark.sigma, "unit": mark.unit})
         elif isinstance(mark, (Points, Line, Polygon)) and mark.thing:
-            rows += [base | _place(scene, mark.panel, i, x, y) for i, (x, y) in enumerate(mark.xy)]
+            places = enumerate(
+                mark.xy[np.isfinite(mark.xy).all(axis=1)]
+            )  # NaN only separates parts of a line
+            rows += [base | _place(scene, mark.panel, i, x, y) for i, (x, y) in places]
         elif isinstance(mark, Bars):
             centres = (mark.edges[:-1] + mark.edges[1:]) / 2
             rows += [

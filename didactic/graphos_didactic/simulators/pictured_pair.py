@@ -109,7 +109,9 @@ class PicturedPair:
     def common(self, xy: Array, edge: float = 0.0) -> Array:
         """Return which points of photo A (n, 2) photo B shows too, bool (n,)."""
         partner = self.true_partner(xy)
-        return np.asarray(np.all((partner >= edge) & (partner <= (WIDTH - 1 - edge, HEIGHT - 1 - edge)), axis=1))
+        return np.asarray(
+            np.all((partner >= edge) & (partner <= (WIDTH - 1 - edge, HEIGHT - 1 - edge)), axis=1)
+        )
 
 
 def wall_picture(pattern: Pattern, setting: Setting) -> tuple[Array, str]:
@@ -124,7 +126,9 @@ def wall_picture(pattern: Pattern, setting: Setting) -> tuple[Array, str]:
 @lru_cache(maxsize=1)
 def _windows() -> Array:
     window = np.ascontiguousarray(simulated_photo()[WINDOW])
-    return np.ascontiguousarray(np.tile(cv2.resize(window, (80, 64), interpolation=cv2.INTER_AREA), (8, 8, 1)))
+    return np.ascontiguousarray(
+        np.tile(cv2.resize(window, (80, 64), interpolation=cv2.INTER_AREA), (8, 8, 1))
+    )
 
 
 @lru_cache(maxsize=1)

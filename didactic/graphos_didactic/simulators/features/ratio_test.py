@@ -21,7 +21,7 @@ from graphos_didactic.simulators.features.ratio_test_drawing import (
     match_marks,
     photo_marks,
 )
-from graphos_didactic.simulators.features.ratio_test_model import Tested
+from graphos_didactic.simulators.features.ratio_test_model import Judged
 from graphos_didactic.simulators.features.ratio_test_params import FARTHEST, LESSON, RatioTestParams
 from graphos_didactic.simulators.features.ratio_test_tasks import PREDICTION, ratio_test_task
 from graphos_didactic.simulators.pictured_pair import HEIGHT, WIDTH
@@ -72,7 +72,7 @@ PRESETS = (
 )
 def ratio_test(params: RatioTestParams, setting: Setting) -> Scene:
     """Show both photos, the two distances of every candidate, their distribution, and precision over recall."""
-    seen = Tested(params, setting)
+    seen = Judged(params, setting)
     last = len(STEPS) - 1 if setting.step is None else setting.step
     accepted = seen.accepted if last >= 2 else np.ones(len(seen.nearest), bool)
     top = _top(seen)
@@ -85,12 +85,12 @@ def ratio_test(params: RatioTestParams, setting: Setting) -> Scene:
     return Scene(panels=_panels(seen, top), marks=tuple(marks), things=THINGS, says=_says(seen, last))
 
 
-def _top(seen: Tested) -> float:
+def _top(seen: Judged) -> float:
     values = seen.nearest.ratio if seen.params.rule == "ratio" else seen.nearest.distance
     return 1.15 * max(float(np.histogram(values, histogram_edges(seen))[0].max(initial=1)), 4.0)
 
 
-def _panels(seen: Tested, top: float) -> tuple[Panel, ...]:
+def _panels(seen: Judged, top: float) -> tuple[Panel, ...]:
     ratio = seen.params.rule == "ratio"
     across = (0.0, 1.0) if ratio else (0.0, FARTHEST)
     return (
@@ -109,7 +109,7 @@ def _panels(seen: Tested, top: float) -> tuple[Panel, ...]:
     )  # fmt: skip
 
 
-def _sheet(seen: Tested, last: int) -> list[AnyMark]:
+def _sheet(seen: Judged, last: int) -> list[AnyMark]:
     k, unit = seen.looked_at, "matches"
     marks: list[AnyMark] = [
         Number(thing="accepted", label="Candidates", value=len(seen.nearest), unit=unit, digits=0)
@@ -142,7 +142,7 @@ def _sheet(seen: Tested, last: int) -> list[AnyMark]:
     return marks
 
 
-def _says(seen: Tested, last: int) -> str:
+def _says(seen: Judged, last: int) -> str:
     counts, total = seen.counts, len(seen.nearest)
     if not total:
         return "No features, no candidates: there is nothing to test."

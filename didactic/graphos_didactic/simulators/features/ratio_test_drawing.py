@@ -6,7 +6,7 @@ import numpy as np
 
 from graphos_core.data.record import Array
 from graphos_didactic.scene import AnyMark, Bars, Handle, Line, Picture, Points
-from graphos_didactic.simulators.features.ratio_test_model import Tested
+from graphos_didactic.simulators.features.ratio_test_model import Judged
 from graphos_didactic.simulators.features.ratio_test_params import FARTHEST
 from graphos_didactic.simulators.pictured_pair import HEIGHT, WIDTH
 
@@ -18,12 +18,12 @@ LEFT = WIDTH + GAP
 
 def lines(a: Array, b: Array) -> Array:
     """Return lines from points of A to points of B, one after the other with rows of NaN between, (3 n, 2)."""
-    there = np.asarray(b, dtype=np.float64) + (LEFT, 0.0)
+    there = np.asarray(b, dtype=np.float64) + np.array([LEFT, 0.0])
     gaps = np.full_like(there, np.nan)
     return np.stack([np.asarray(a, dtype=np.float64), there, gaps], axis=1).reshape(-1, 2)[:-1]
 
 
-def photo_marks(seen: Tested) -> list[AnyMark]:
+def photo_marks(seen: Judged) -> list[AnyMark]:
     """Show both photos beside each other."""
     size = (-0.5, -0.5, WIDTH - 0.5, HEIGHT - 0.5)
     right = (LEFT - 0.5, -0.5, LEFT + WIDTH - 0.5, HEIGHT - 0.5)
@@ -33,7 +33,7 @@ def photo_marks(seen: Tested) -> list[AnyMark]:
     ]
 
 
-def match_marks(seen: Tested, accepted: Array) -> list[AnyMark]:
+def match_marks(seen: Judged, accepted: Array) -> list[AnyMark]:
     """Draw accepted matches as lines, true and false ones differently while the truth is shown, and missed ones."""
     found = seen.nearest.matches
     a, b = seen.pair.a.xy[found[:, 0]], seen.pair.b.xy[found[:, 1]]
@@ -58,7 +58,7 @@ def match_marks(seen: Tested, accepted: Array) -> list[AnyMark]:
     return marks
 
 
-def looked_marks(seen: Tested) -> list[AnyMark]:
+def looked_marks(seen: Judged) -> list[AnyMark]:
     """Mark the point looked at, its nearest and second nearest in B, and its true partner."""
     k = seen.looked_at
     if k is None:
@@ -81,7 +81,7 @@ def looked_marks(seen: Tested) -> list[AnyMark]:
     return marks
 
 
-def distance_marks(seen: Tested) -> list[AnyMark]:
+def distance_marks(seen: Judged) -> list[AnyMark]:
     """Draw both distances of every candidate: true ones as discs, false ones as crosses, and the rule as a line."""
     xy = np.stack([seen.second_distance, seen.nearest.distance], axis=1).astype(float)
     known = np.isfinite(xy).all(axis=1)
@@ -99,19 +99,19 @@ def distance_marks(seen: Tested) -> list[AnyMark]:
     ]  # fmt: skip
 
 
-def rule_end(seen: Tested) -> Array:
+def rule_end(seen: Judged) -> Array:
     """Return where the line of the rule ends in the picture of the distances."""
     if seen.params.rule == "ratio":
         return np.array([0.86 * FARTHEST, 0.86 * FARTHEST * seen.params.ratio])
     return np.array([0.86 * FARTHEST, seen.params.limit])
 
 
-def histogram_edges(seen: Tested) -> Array:
+def histogram_edges(seen: Judged) -> Array:
     """Return the edges of the histogram's classes, of the ratio or of the distance."""
     return np.linspace(0.0, 1.0, 41) if seen.params.rule == "ratio" else np.linspace(0.0, FARTHEST, 41)
 
 
-def histogram_marks(seen: Tested, top: float) -> list[AnyMark]:
+def histogram_marks(seen: Judged, top: float) -> list[AnyMark]:
     """Draw the distribution of what is tested, for true and false candidates, and the threshold."""
     values = seen.nearest.ratio if seen.params.rule == "ratio" else seen.nearest.distance
     edges, true = histogram_edges(seen), seen.true
@@ -128,7 +128,7 @@ def histogram_marks(seen: Tested, top: float) -> list[AnyMark]:
     ]  # fmt: skip
 
 
-def curve_marks(seen: Tested) -> list[AnyMark]:
+def curve_marks(seen: Judged) -> list[AnyMark]:
     """Draw precision over recall for both rules, and where the present threshold is."""
     marks: list[AnyMark] = [
         Line(panel="curve", thing="threshold", role="accent", xy=seen.curve("ratio"), width=2.2, label="ratio d₁/d₂",
@@ -143,7 +143,7 @@ def curve_marks(seen: Tested) -> list[AnyMark]:
     return marks
 
 
-def handle_marks(seen: Tested, top: float) -> list[AnyMark]:
+def handle_marks(seen: Judged, top: float) -> list[AnyMark]:
     """Return the handles: threshold in histogram and distances, point looked at, direction of photo B."""
     p, end = seen.params, rule_end(seen)
     ratio = p.rule == "ratio"

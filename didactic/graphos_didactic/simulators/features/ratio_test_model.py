@@ -54,7 +54,7 @@ def _matched(a: Features, b: Features, ratio: float, both: bool) -> Candidates:
 
 
 @dataclass(frozen=True, eq=False)
-class Tested:
+class Judged:
     """The pair of a parameter sheet and its matches."""
 
     params: RatioTestParams

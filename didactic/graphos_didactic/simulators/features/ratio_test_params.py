@@ -92,7 +92,6 @@ class RatioTestParams(Params):
             level="novice",
             help="Angle between the direction of photo B and the wall's normal.",
             effect="Larger: true matches get larger distances.",
-            learn="features/affine",
         ),
     ] = 32.0
     aside: Annotated[

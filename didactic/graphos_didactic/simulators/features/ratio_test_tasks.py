@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from graphos_didactic.simulator import Prediction, Setting, Task, Verdict
-from graphos_didactic.simulators.features.ratio_test_model import Counts, Tested
+from graphos_didactic.simulators.features.ratio_test_model import Counts, Judged
 from graphos_didactic.simulators.features.ratio_test_params import RatioTestParams
 
 GENEROUS, STRICT, ALONE = "More matches are better", "Fewer matches are safer", "One distance for all"
@@ -17,12 +17,12 @@ def _other_rule(params: RatioTestParams, setting: Setting | None = None) -> Rati
     """Return the rule by distance with about as many accepted matches; or the ratio, if it was the distance."""
     if params.rule == "distance":
         return params.replace(rule="ratio")
-    seen = Tested(params, setting or Setting())
+    seen = Judged(params, setting or Setting())
     return params.replace(rule="distance", limit=round(min(seen.limit_for(seen.counts.accepted), 500.0), 1))
 
 
 def _compared(params: RatioTestParams, setting: Setting) -> tuple[Counts, Counts]:
-    return Tested(params, setting).counts, Tested(_other_rule(params, setting), setting).counts
+    return Judged(params, setting).counts, Judged(_other_rule(params, setting), setting).counts
 
 
 def _answer(params: RatioTestParams, setting: Setting) -> int:
@@ -60,7 +60,7 @@ def ratio_test_task(seed: int) -> Task:
             noise=float(draw.integers(4, 16)), seed=int(draw.integers(0, 9999)), ratio=0.99, mutual=False,
         )  # fmt: skip
         right = sheet.replace(ratio=float(draw.integers(62, 78)) / 100)
-        best = Tested(right, Setting())
+        best = Judged(right, Setting())
         limits = (float(np.floor(best.counts.precision - 1.0)), float(np.floor(best.counts.recall - 3.0)))
         mistakes = {
             GENEROUS: sheet.replace(ratio=0.95),
@@ -79,7 +79,7 @@ def ratio_test_task(seed: int) -> Task:
 
 
 def _judge(params: RatioTestParams, limits: tuple[float, float]) -> Verdict:
-    counts = Tested(params, Setting()).counts
+    counts = Judged(params, Setting()).counts
     seen = (
         f"Precision {counts.precision:.1f} % (at least {limits[0]:.0f}), recall {counts.recall:.1f} % ({limits[1]:.0f}). "
         if counts.accepted
