@@ -14,6 +14,16 @@ _MAKE, _MODEL, _ORIENTATION, _DATE = 0x010F, 0x0110, 0x0112, 0x0132
 _TAKEN, _FOCAL, _FOCAL_35 = 0x9003, 0x920A, 0xA405
 
 
+def read_tiff_exif(content: bytes) -> Exif:
+    """Return the EXIF entries of a TIFF file's bytes, also of one that Pillow cannot open as a picture."""
+    root = Image.Exif()
+    try:
+        root.load(content)
+    except Exception:  # a broken header must not cost the photo
+        return Exif()
+    return _entries(root)
+
+
 def read_exif(image: Image.Image) -> Exif:
     """Return the EXIF entries the program uses; a missing or unreadable entry is left out.
 
@@ -25,9 +35,15 @@ def read_exif(image: Image.Image) -> Exif:
         Opened, not necessarily loaded.
     """
     try:
-        root = image.getexif()
-        block, gps = root.get_ifd(_EXIF_BLOCK), root.get_ifd(_GPS_BLOCK)
+        return _entries(image.getexif())
     except Exception:  # a broken EXIF block of a stranger's file must not cost the photo
+        return Exif()
+
+
+def _entries(root: Image.Exif) -> Exif:
+    try:
+        block, gps = root.get_ifd(_EXIF_BLOCK), root.get_ifd(_GPS_BLOCK)
+    except Exception:  # see above
         return Exif()
     orientation = root.get(_ORIENTATION, 1)
     return Exif(

@@ -9,12 +9,17 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from graphos_core.bands import visible
 from graphos_core.data import Array, Camera, Exif, Photo, PhotoSet
 from graphos_core.errors import ItemFailure, UserError
-from graphos_core.photo_files import PhotoFile, decode, inspect_photo, list_photo_files
+from graphos_core.photo_decoding import CannotDecode, Picture, decode, upright
+from graphos_core.photo_files import PhotoFile, inspect_photo, list_photo_files
 from graphos_core.principal_distance import principal_distance
 from graphos_core.run import Run, map_items
 from graphos_core.text import Text
+
+TWIN_TOLERANCE = 3
+"""Grey levels by which the fingerprints of one picture in two files may differ: JPEG's are of a reduced picture."""
 
 
 def read_photo_set(
@@ -70,7 +75,7 @@ def read_photo_set(
             f"{failures[0].item}: {failures[0].reason}",
             Text("Give photos as JPEG, PNG or TIFF."),
         )
-    return _group(found, tuple(failures), focal_px, principal_point)
+    return _told_twins(_group(found, tuple(failures), focal_px, principal_point), found)
 
 
 def read_pixels(photo: Photo, *, grey: bool = False) -> Array:
@@ -80,30 +85,57 @@ def read_pixels(photo: Photo, *, grey: bool = False) -> Array:
     ----------
     photo : Photo
     grey : bool
-        Return luma ``0.299 R + 0.587 G + 0.114 B`` (ITU-R BT.601) instead of colour.
+        Return luma ``0.299 R + 0.587 G + 0.114 B`` (ITU-R BT.601) instead of colour; of many bands that of their
+        false colours, see `graphos_core.bands`.
 
     Returns
     -------
-    uint8 or uint16 (h, w) or (h, w, 3)
-        As stored: grey photos stay grey, 16 bit stays 16 bit; colour is RGB; transparency is dropped.
+    uint8 or uint16 (h, w), (h, w, 3) or (h, w, n)
+        Grey photos stay grey, 16 bit stays 16 bit, colour is RGB, other bands come in the order of the file;
+        transparency is dropped. See `graphos_core.photo_decoding` for what becomes of other kinds of values.
 
     Raises
     ------
     UserError
         When the file is gone, cannot be decoded, or is another than when the photo was added.
     """
+    pixels = _read(photo).pixels
+    if grey and pixels.ndim == 3:
+        pixels = cv2.cvtColor(visible(pixels), cv2.COLOR_RGB2GRAY)
+    return np.ascontiguousarray(pixels)
+
+
+def read_shown(photo: Photo) -> Array | None:
+    """Read where a photo has a value, upright: False where it is fully transparent, NaN or without data.
+
+    Returns
+    -------
+    bool (h, w) or None
+        None where every pixel has a value; the file is then not opened.
+
+    Raises
+    ------
+    UserError
+        As `read_pixels`.
+    """
+    return _read(photo).shown if photo.hidden else None
+
+
+def _read(photo: Photo) -> Picture:
     try:
-        pixels = decode(np.fromfile(photo.path, dtype=np.uint8))
+        picture = decode(photo.file.read_bytes())
     except OSError as problem:
         raise _changed(photo, str(problem.strerror or problem)) from problem
-    if pixels is None:
-        raise _changed(photo, Text("The file cannot be decoded."))
-    pixels = _upright(pixels, photo.exif.orientation)
-    if pixels.shape[:2] != (photo.height, photo.width):
+    except CannotDecode as problem:
+        raise _changed(photo, problem.reason) from problem
+    turned = replace(
+        picture,
+        pixels=upright(picture.pixels, photo.exif.orientation),
+        shown=None if picture.shown is None else upright(picture.shown, photo.exif.orientation),
+    )
+    if turned.pixels.shape[:2] != (photo.height, photo.width):
         raise _changed(photo, Text("It has another size than when it was added."))
-    if grey and pixels.ndim == 3:
-        pixels = cv2.cvtColor(pixels, cv2.COLOR_RGB2GRAY)
-    return np.ascontiguousarray(pixels)
+    return turned
 
 
 def _changed(photo: Photo, why: str) -> UserError:
@@ -114,15 +146,28 @@ def _changed(photo: Photo, why: str) -> UserError:
     )
 
 
-def _upright(pixels: Array, orientation: int) -> Array:
-    """Undo the EXIF orientation (EXIF 2.32, tag 274): first transpose for 5 to 8, then mirror."""
-    if orientation >= 5:
-        pixels = pixels.swapaxes(0, 1)
-    if orientation in (2, 3, 6, 7):
-        pixels = pixels[:, ::-1]
-    if orientation in (3, 4, 7, 8):
-        pixels = pixels[::-1]
-    return pixels
+def _told_twins(photos: PhotoSet, found: Sequence[PhotoFile]) -> PhotoSet:
+    """Return the photos with a remark on those whose pixels another one has too, in a file of other bytes.
+
+    Likely ones are found by their fingerprints and then compared pixel by pixel.
+    """
+    told = list(photos.photos)
+    prints = np.array([item.fingerprint.ravel() for item in found], np.int16)
+    for index, photo in enumerate(told):
+        alike = (
+            np.flatnonzero(np.abs(prints[:index] - prints[index]).max(axis=1) <= TWIN_TOLERANCE)
+            if index
+            else ()
+        )
+        for other in (told[i] for i in alike):
+            if (other.width, other.height, other.channels) != (photo.width, photo.height, photo.channels):
+                continue
+            if np.array_equal(read_pixels(other), read_pixels(photo)):
+                remark = Text("It shows exactly the same pixels as {twin}: it adds nothing, and a pair of the two has "
+                              "no base.", twin=other.name)  # fmt: skip
+                told[index] = replace(photo, remarks=(*photo.remarks, remark))
+                break
+    return replace(photos, photos=tuple(told))
 
 
 def _group(
@@ -149,6 +194,8 @@ def _group(
                 camera=list(cameras).index(key),
                 digest=item.digest,
                 exif=exif,
+                hidden=item.hidden,
+                remarks=item.remarks,
             )
         )
     return PhotoSet(photos=tuple(photos), cameras=_distinct_labels(list(cameras.values())), failures=failures)

@@ -11,11 +11,12 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from PIL import Image, JpegImagePlugin, PngImagePlugin, TiffImagePlugin, UnidentifiedImageError
+from PIL import Image, UnidentifiedImageError
 
 from graphos_core.data import Array, Exif
 from graphos_core.errors import ItemFailure, UserError
-from graphos_core.exif import read_exif
+from graphos_core.exif import read_exif, read_tiff_exif
+from graphos_core.photo_decoding import FORMATS, CannotDecode, Picture, cmyk_remark, decode, is_tiff
 from graphos_core.text import Text
 
 PHOTO_ENDINGS = (".jpg", ".jpeg", ".png", ".tif", ".tiff")
@@ -25,18 +26,10 @@ MAX_PIXELS = 250_000_000
 """Largest photo that is opened; a small file can claim any size (decompression bomb)."""
 MIN_SIDE = 32
 
-_FORMATS = tuple(
-    plugin.format
-    for plugin in (
-        JpegImagePlugin.JpegImageFile,
-        PngImagePlugin.PngImageFile,
-        TiffImagePlugin.TiffImageFile,
-    )
-)
-"""What is opened; naming the plugins also registers them, which must not happen in several threads at once."""
+_MODES = ("1", "L", "LA", "I;16", "I;16B", "I;16L", "I", "RGB", "RGBA", "P", "CMYK")
 
-_GREY_MODES = ("L", "LA", "I;16", "I;16B", "I;16L", "I")
-_COLOUR_MODES = ("RGB", "RGBA", "P")
+FINGERPRINT_SIDE = 16
+"""Photos are compared by their mean grey values in so many times so many parts."""
 
 # Pillow refuses twice this number while it opens a file, before memory is taken; the sentence comes from here.
 Image.MAX_IMAGE_PIXELS = MAX_PIXELS
@@ -44,7 +37,13 @@ Image.MAX_IMAGE_PIXELS = MAX_PIXELS
 
 @dataclass(frozen=True)
 class PhotoFile:
-    """A usable photo file, before cameras are known; attributes as in `graphos_core.data.Photo`."""
+    """A usable photo file, before cameras are known; attributes as in `graphos_core.data.Photo`.
+
+    Attributes
+    ----------
+    fingerprint : uint8 (s, s)
+        Mean grey values of the parts of the stored picture, for finding pictures that are there twice.
+    """
 
     path: Path
     digest: str
@@ -53,6 +52,9 @@ class PhotoFile:
     bits: int
     channels: int
     exif: Exif
+    hidden: int
+    remarks: tuple[str, ...]
+    fingerprint: Array
 
 
 def list_photo_files(source: str | Path | Sequence[str | Path]) -> list[Path]:
@@ -109,8 +111,12 @@ def inspect_photo(path: Path) -> PhotoFile | ItemFailure:
     if not content:
         return fail(Text("The file is empty (zero bytes)."))
     try:
-        with Image.open(io.BytesIO(content), formats=_FORMATS) as image:
+        if is_tiff(content):
+            return _look_at_tiff(path, content)
+        with Image.open(io.BytesIO(content), formats=FORMATS) as image:
             return _look(path, content, image)
+    except CannotDecode as problem:
+        return fail(problem.reason)
     except Image.DecompressionBombError:
         return fail(_too_large())
     except UnidentifiedImageError:
@@ -123,64 +129,60 @@ def _too_large() -> Text:
     return Text("It claims more than {limit:g} million pixels and is not opened.", limit=MAX_PIXELS / 1e6)
 
 
-def _look(path: Path, content: bytes, image: Image.Image) -> PhotoFile | ItemFailure:
-    fail = partial(ItemFailure, path.name)
-    width, height = image.size
+def _check_size(width: int, height: int) -> None:
     if width * height > MAX_PIXELS:
-        return fail(_too_large())
+        raise CannotDecode(_too_large())
     if min(width, height) < MIN_SIDE:
         size = f"{width} × {height}"
-        return fail(
+        raise CannotDecode(
             Text("It is too small: {size} pixels, needs {least} at least.", size=size, least=MIN_SIDE)
         )
-    if image.mode not in _GREY_MODES + _COLOUR_MODES:
-        return fail(Text("Its pixels are of the kind {mode}; grey or RGB is needed.", mode=image.mode))
+
+
+def _look_at_tiff(path: Path, content: bytes) -> PhotoFile:
+    from graphos_core.photo_tiff import read_tiff_header
+
+    header = read_tiff_header(content)
+    _check_size(header.width, header.height)
+    picture = decode(content)
+    exif = replace(read_tiff_exif(content), orientation=1)  # `decode` gives it upright
+    return _photo_file(path, content, picture, exif)
+
+
+def _look(path: Path, content: bytes, image: Image.Image) -> PhotoFile:
+    _check_size(*image.size)
+    if image.mode not in _MODES:
+        raise CannotDecode(Text("Its pixels are of the kind {mode}; grey or RGB is needed.", mode=image.mode))
     exif = read_exif(image)
-    bits = _bits(content, image)
-    if bits not in (8, 16):
-        return fail(Text("It has {bits} bits per channel; 8 or 16 are needed.", bits=bits))
-    channels = 1 if image.mode in _GREY_MODES else 3
-    if image.format in ("JPEG", "MPO"):
-        image.draft(image.mode, (max(1, width // 8), max(1, height // 8)))  # reads all data, computes little
+    if image.format == "PNG":
         image.load()
-    else:
-        image.load()
-        pixels = decode(np.frombuffer(content, dtype=np.uint8))
-        if pixels is None:
-            return fail(Text("It is packed in a way that is not supported; save it again without options."))
-        height, width = pixels.shape[:2]
-    if image.format == "TIFF":  # `decode` gives it upright: TIFF's orientation says how its rows are stored
-        exif = replace(exif, orientation=1)
+        return _photo_file(path, content, decode(content), exif)
+    width, height = image.size
+    image.draft(image.mode, (max(64, width // 8), max(64, height // 8)))  # reads all data, computes little
+    image.load()
+    remarks = (cmyk_remark(),) if image.mode == "CMYK" else ()
+    small = np.asarray(image if image.mode == "L" else image.convert("RGB"))
+    found = _photo_file(path, content, Picture(small, None, remarks), exif)
     if exif.orientation >= 5:
         width, height = height, width
-    digest = hashlib.sha256(content).hexdigest()
-    return PhotoFile(path, digest, width, height, bits, channels, exif)
+    return replace(found, width=width, height=height)
 
 
-def _bits(content: bytes, image: Image.Image) -> int:
-    """Bits per channel as stored: Pillow's mode hides 16-bit colour."""
-    if image.format == "PNG":
-        return 8 if image.mode == "P" or content[24] < 8 else content[24]  # bit depth of the IHDR chunk
-    if image.format == "TIFF":
-        stored = image.tag_v2.get(258, (8,))  # type: ignore[attr-defined]  # BitsPerSample
-        return int(stored[0] if isinstance(stored, tuple) else stored)
-    return 8
+def _photo_file(path: Path, content: bytes, picture: Picture, exif: Exif) -> PhotoFile:
+    height, width = picture.pixels.shape[:2]
+    if exif.orientation >= 5:
+        width, height = height, width
+    return PhotoFile(
+        path=path, digest=hashlib.sha256(content).hexdigest(), width=width, height=height,
+        bits=8 * picture.pixels.dtype.itemsize, channels=picture.channels, exif=exif, hidden=picture.hidden,
+        remarks=picture.remarks, fingerprint=_fingerprint(picture.pixels),
+    )  # fmt: skip
 
 
-def decode(content: Array) -> Array | None:
-    """Return the pixels of a file's bytes, uint8 or uint16 (h, w) or (h, w, 3) RGB; None if impossible.
-
-    Rows as stored in JPEG and PNG; OpenCV always turns TIFF upright.
-    """
-    if content.size == 0:
-        return None
-    pixels = cv2.imdecode(content, cv2.IMREAD_UNCHANGED | cv2.IMREAD_IGNORE_ORIENTATION)
-    if pixels is None or pixels.dtype not in (np.uint8, np.uint16):
-        return None
-    if pixels.ndim == 2:
-        return pixels
-    if pixels.shape[2] == 2:
-        return pixels[:, :, 0]
-    if pixels.shape[2] == 4:
-        return cv2.cvtColor(pixels, cv2.COLOR_BGRA2RGB)
-    return cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB)
+def _fingerprint(pixels: Array) -> Array:
+    side = (FINGERPRINT_SIDE, FINGERPRINT_SIDE)
+    bands = pixels[:, :, None] if pixels.ndim == 2 else pixels
+    small = [cv2.resize(np.ascontiguousarray(bands[:, :, i]), side, interpolation=cv2.INTER_AREA)
+             for i in range(min(3, bands.shape[2]))]  # fmt: skip
+    mean = np.mean(small, axis=0)
+    return (mean if pixels.dtype == np.uint8 else mean / 256.0).astype(np.uint8)

@@ -34,6 +34,9 @@ from graphos_core.text import Text
 GIVEN = "given"
 """Folder of the store with given orientations."""
 
+READER = 2
+"""Raised when headers are read in another way, so that stored ones are not used again."""
+
 
 class PhotosMoved(UserError):
     """The photos of a project are not where they were; open it again with their new folder.
@@ -309,12 +312,12 @@ def _read_photos(
 def _read_headers(folder: Path, settings: Settings, store: Store, run: Run, *, write: bool) -> PhotoSet:
     from graphos_core.images import read_photo_set
 
-    listing: Mapping[str, Any] = {"version": __version__}
+    listing: Mapping[str, Any] = {"version": __version__, "reader": READER}
     if folder.is_dir():
         stats = sorted((p.name, p.stat()) for p in folder.iterdir() if p.is_file())
         files = [[name, stat.st_size, stat.st_mtime_ns] for name, stat in stats]
         listing = {
-            "version": __version__, "folder": str(folder), "files": files, "excluded": list(settings.excluded),
+            "version": __version__, "reader": READER, "folder": str(folder), "files": files, "excluded": list(settings.excluded),
             "focal_px": settings.focal_px, "principal_point": settings.principal_point,
             "lens": settings.lens,
         }  # fmt: skip

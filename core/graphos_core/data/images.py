@@ -51,14 +51,18 @@ class Photo:
     width, height : int
         Upright size in pixels.
     bits : int
-        8 or 16 bits per channel.
+        8 or 16 bits per channel, as they are read.
     channels : int
-        1 (grey) or 3 (colour).
+        1 (grey), 3 (colour), or the number of bands.
     camera : int
         Index into `PhotoSet.cameras`.
     digest : str
         SHA-256 of the file.
     exif : Exif
+    hidden : int
+        Pixels without a value: fully transparent, NaN or no-data.
+    remarks : tuple of str
+        What was done so that the file can be used, and what is strange about it, one sentence each.
     """
 
     name: str
@@ -70,6 +74,8 @@ class Photo:
     camera: int
     digest: str
     exif: Exif
+    hidden: int = 0
+    remarks: tuple[str, ...] = ()
 
     @property
     def file(self) -> Path:
