@@ -143,6 +143,11 @@ class Session(QObject):
         self.project_changed.emit()
         for failure in self.project.photo_set.failures if self.project else ():
             self.message.emit("warning", Text("{item}: {reason}", item=failure.item, reason=failure.reason))
+        if self.project is not None:
+            from graphos_core.images import told_remarks
+
+            for remark in told_remarks(self.project.photo_set):
+                self.message.emit("warning", remark)
         self.states_changed.emit()
         self.load_results()
 

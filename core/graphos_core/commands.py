@@ -14,6 +14,7 @@ from typing import Any, cast
 from graphos_core import registry
 from graphos_core.data import Block
 from graphos_core.errors import UserError
+from graphos_core.images import told_remarks
 from graphos_core.outputs import check_writable, write_outputs
 from graphos_core.params import unknown_name
 from graphos_core.pipeline import Pipeline
@@ -84,6 +85,8 @@ def run_pipeline(pipeline: Pipeline, until: Stage, progress: Run) -> Path:
     made = datetime.now(UTC).isoformat(timespec="seconds")
     for failure in pipeline.photos.failures:
         progress.warn(f"{failure.item} is not used: {failure.reason}")
+    for remark in told_remarks(pipeline.photos):
+        progress.warn(remark)
     for camera in pipeline.photos.cameras:
         if camera.focal_estimated:
             progress.warn(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -76,6 +77,21 @@ def read_photo_set(
             Text("Give photos as JPEG, PNG or TIFF."),
         )
     return _told_twins(_group(found, tuple(failures), focal_px, principal_point), found)
+
+
+def told_remarks(photos: PhotoSet) -> list[Text]:
+    """Return the remarks on photos as sentences; those that differ in numbers only are told once."""
+    alike: dict[str, list[tuple[str, str]]] = {}
+    for photo in photos.photos:
+        for remark in photo.remarks:
+            alike.setdefault(re.sub(r"[-+0-9.e]+", "#", remark), []).append((photo.name, remark))
+    return [
+        Text("{item}: {remark}", item=found[0][0], remark=found[0][1])
+        if len(found) == 1
+        else Text("{item}: {remark} Likewise {count} other photos.", item=found[0][0], remark=found[0][1],
+                  count=len(found) - 1)
+        for found in alike.values()
+    ]  # fmt: skip
 
 
 def read_pixels(photo: Photo, *, grey: bool = False) -> Array:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import cv2
 import numpy as np
 
+from graphos_core.bands import visible
 from graphos_core.data import Array, Block, Cloud, Features, Finding, PhotoSet
 from graphos_core.errors import UserError
 from graphos_core.images import read_pixels
@@ -65,7 +66,7 @@ class Step:
 def photo_grey_and_colour(pipeline: Pipeline, index: int) -> tuple[Array, Array]:
     """Return photo `index` as features see it, uint8 grey (h, w), and its colours (h, w, 3)."""
     photo = pipeline.photos.photos[index]
-    colour = eight_bit(read_pixels(photo))
+    colour = eight_bit(visible(read_pixels(photo)))
     files = pipeline.value("images").files
     if files:
         grey = cv2.imdecode(
@@ -215,7 +216,7 @@ def _known(pipeline: Pipeline) -> Any:
 
 def block_reader(photos: PhotoSet) -> Callable[[int], Array]:
     """Return a function that reads photo i as uint8 RGB (h, w, 3) or grey (h, w)."""
-    return lambda index: eight_bit(read_pixels(photos.photos[index]))
+    return lambda index: eight_bit(visible(read_pixels(photos.photos[index])))
 
 
 def _depth(pipeline: Pipeline, folder: Path, run: Run) -> Any:

@@ -33,7 +33,7 @@ def photo_facts(photo: Photo, camera: Camera) -> list[tuple[str, str]]:
         ("Size", f"{photo.width} × {photo.height}{THIN_SPACE}px"),
         (
             "Depth",
-            tr("{bits} bit, {kind}", bits=photo.bits, kind=tr("colour" if photo.channels == 3 else "grey")),
+            tr("{bits} bit, {kind}", bits=photo.bits, kind=_kind(photo.channels)),
         ),
         ("Camera", tr(camera.label)),
         ("Principal distance", focal + (" · " + tr("estimated") if camera.focal_estimated else "")),
@@ -49,7 +49,14 @@ def photo_facts(photo: Photo, camera: Camera) -> list[tuple[str, str]]:
         facts.append(("GNSS", f"{exif.latitude_deg:.6f}°, {exif.longitude_deg:.6f}°"))
     if exif.altitude_m is not None:
         facts.append(("Altitude", format_value(exif.altitude_m, unit="m")))
+    facts += [("Note", tr(remark)) for remark in photo.remarks]
     return facts
+
+
+def _kind(channels: int) -> str:
+    if channels in (1, 3):
+        return tr("grey") if channels == 1 else tr("colour")
+    return tr("{count} bands", count=channels)
 
 
 class ImagesTab(QWidget):
@@ -176,10 +183,11 @@ def read_photo(session: Session, photo: Photo, then: Any) -> Job:
     """Read a photo's pixels in the background; `then` gets (digest, uint8 pixels)."""
 
     def work(run: Run) -> tuple[str, Any]:
+        from graphos_core.bands import visible
         from graphos_core.images import read_pixels
         from graphos_core.preprocessing.grey import eight_bit
 
-        return photo.digest, eight_bit(read_pixels(photo))
+        return photo.digest, eight_bit(visible(read_pixels(photo)))
 
     job = Job(work, name=f"photo {photo.name}", engine=False)
     job.succeeded.connect(then)
