@@ -207,7 +207,7 @@ def _values(content: bytes, page: Any) -> Array:
 
 def _no_data(page: Any, values: Array, remarks: list[Text]) -> Array | None:
     """Return where all bands have a number, None if everywhere; NaN, infinity and GDAL's no-data value are none."""
-    marked = None
+    marked: Array | None = None
     if 42113 in page.tags:
         marked = values == np.asarray(page.nodata).astype(values.dtype)
         marked = marked if values.ndim == 2 else marked.all(axis=2)
