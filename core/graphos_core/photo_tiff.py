@@ -207,16 +207,15 @@ def _values(content: bytes, page: Any) -> Array:
 
 def _no_data(page: Any, values: Array, remarks: list[Text]) -> Array | None:
     """Return where all bands have a number, None if everywhere; NaN, infinity and GDAL's no-data value are none."""
-    marked: Array | None = None
+    marked: Array = np.zeros(values.shape[:2], bool)
     if 42113 in page.tags:
-        marked = values == np.asarray(page.nodata).astype(values.dtype)
-        marked = marked if values.ndim == 2 else marked.all(axis=2)
+        same = np.asarray(values == np.asarray(page.nodata).astype(values.dtype))
+        marked |= same if same.ndim == 2 else same.all(axis=2)
     if values.dtype.kind == "f":
         lost = ~np.isfinite(values)
-        lost = lost if values.ndim == 2 else lost.any(axis=2)
-        marked = lost if marked is None else marked | lost
-    count = 0 if marked is None else int(np.count_nonzero(marked))
-    if marked is None or count == 0:
+        marked |= lost if lost.ndim == 2 else lost.any(axis=2)
+    count = int(np.count_nonzero(marked))
+    if count == 0:
         return None
     remarks.append(Text("{count} of its pixels have no value (NaN or no-data) and are masked.", count=count))
     return ~marked
