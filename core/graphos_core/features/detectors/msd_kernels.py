@@ -84,7 +84,9 @@ def _block(
                 start = left - max(aside, 0)
                 n = right - min(aside, 0) - start
                 column = running[down * (2 * search + 1) + aside + search]
-                _move_down(image, patch, y, start - patch, down, aside, y == top - down, column, n + 2 * patch)
+                _move_down(
+                    image, patch, y, start - patch, down, aside, y == top - down, column, n + 2 * patch
+                )
                 _box(column, scratch, n, 2 * patch + 1)
                 if y >= top:
                     _insert(ring[y % (search + 1)], scratch, left - start)

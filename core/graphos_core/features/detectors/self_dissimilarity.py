@@ -103,7 +103,9 @@ def nearest_patches(
     return shift, distance.ravel()[order]
 
 
-def maxima(levels: list[Array], level: int, threshold: float, radius: int, scale_radius: int, factor: float) -> Array:
+def maxima(
+    levels: list[Array], level: int, threshold: float, radius: int, scale_radius: int, factor: float
+) -> Array:
     """Return the pixels of one level that no neighbour in place or scale exceeds.
 
     Parameters
