@@ -108,9 +108,9 @@ def extreme_samples(differences: Array, layer: int, least: float) -> Array:
     if min(here.shape) <= 2 * BORDER:
         return np.empty((0, 2), np.intp)
     box = np.ones((3, 3), np.uint8)
-    near = differences[layer - 1 : layer + 2]
-    top = np.maximum.reduce([cv2.dilate(image, box) for image in near])
-    low = np.minimum.reduce([cv2.erode(image, box) for image in near])
+    below, above = differences[layer - 1], differences[layer + 1]
+    top = cv2.dilate(cv2.max(cv2.max(below, here), above), box)
+    low = cv2.erode(cv2.min(cv2.min(below, here), above), box)
     found = ((here > 0) & (here >= top)) | ((here < 0) & (here <= low))
     found &= np.abs(here) > max(GREY * least, 1e-6)
     return np.argwhere(found[BORDER:-BORDER, BORDER:-BORDER]) + BORDER

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from graphos_core.preprocessing.kernels import wallis_value
 from graphos_core.preprocessing.wallis import WallisParams, local_statistics, wallis
 from graphos_core.run import Run
 from graphos_didactic.simulator import Setting
+from graphos_didactic.simulators.kept_results import KeptResults
 from graphos_didactic.simulators.pictured_plane import photo_or_simulated, rgb
 
 LESSON = "preprocessing/wallis"
@@ -126,32 +126,7 @@ def _flat() -> Array:
     return rgb(np.clip(np.rint(FLAT_LEVEL + noise), 0, 255).astype(np.uint8))
 
 
-class _Kept:
-    """What was computed last, so that dragging the window does not filter anew: one entry per kind of picture.
-
-    A key holds the pictures themselves, compared by identity, and plain values.
-    """
-
-    def __init__(self) -> None:
-        self._entries: dict[str, list[tuple[tuple[Any, ...], Any]]] = {}
-
-    def get(self, kind: str, key: tuple[Any, ...], make: Callable[[], Any]) -> Any:
-        """Return the value of a key, computed unless it is one of the last two of its kind."""
-        entries = self._entries.setdefault(kind, [])
-        for known, value in entries:
-            if len(known) == len(key) and all(
-                a is b if isinstance(a, np.ndarray) or isinstance(b, np.ndarray) else a == b
-                for a, b in zip(known, key, strict=True)
-            ):
-                return value
-        made = make()
-        if isinstance(made, np.ndarray):
-            made.flags.writeable = False
-        self._entries[kind] = [(key, made), *entries[:1]]
-        return made
-
-
-_kept = _Kept()
+_kept = KeptResults()
 
 
 @dataclass(frozen=True, eq=False)
