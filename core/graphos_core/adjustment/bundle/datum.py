@@ -66,7 +66,7 @@ def _null_space(rows: Array) -> Array:
     width = rows.shape[1]
     if not len(rows):
         return np.eye(width, MOTIONS)
-    _, singular, vt = np.linalg.svd(rows, full_matrices=True)
+    _, singular, vt = np.linalg.svd(rows, full_matrices=len(rows) < width)
     rank = int((singular > NOTHING * singular[0]).sum())
     null = vt[rank:].T
     if width > MOTIONS and null.shape[1]:  # an undetermined plane alone moves nothing
