@@ -14,6 +14,7 @@ from pathlib import Path
 
 from graphos_core import __version__
 from graphos_core.adjustment_options import add_adjust, add_compare, add_report
+from graphos_core.analyse_options import add_analyse
 from graphos_core.calibrate_options import add_calibrate
 from graphos_core.convert_commands import add_convert, convert
 
@@ -98,6 +99,7 @@ def build_parser() -> argparse.ArgumentParser:
     run.add_argument("--until", choices=STAGES, default="quality", help="last stage (default quality)")
     _common(run)
 
+    add_analyse(words, _common)
     add_calibrate(words, _common)
     add_adjust(words, _common)
     add_report(words)
@@ -193,6 +195,10 @@ def _dispatch(options: argparse.Namespace) -> int:
         return code
     if options.word == "convert":
         return convert(options)
+    if options.word == "analyse":
+        from graphos_core.analyse_command import analyse
+
+        return analyse(options)
     if options.word == "compare":
         return {"runs": adjustment_commands.compare_runs}[options.thing](options)
     function = {
