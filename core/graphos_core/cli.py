@@ -96,6 +96,14 @@ def build_parser() -> argparse.ArgumentParser:
         "--distance", type=_distance, metavar="A,B,METRES", help="known distance between two points or photos"
     )
     run.add_argument("--reference", type=Path, help="reference cloud or mesh (PLY) for quality control")
+    run.add_argument(
+        "--masks", type=Path, metavar="FILE_OR_FOLDER",
+        help="where nothing is measured: masks.toml, or pictures named like the photos (NAME_mask.png, masks/NAME.png)",
+    )  # fmt: skip
+    run.add_argument(
+        "--undistort", type=Path, metavar="FILE",
+        help="undistort the photos by a calibration.toml, or the cameras.toml of an earlier run",
+    )  # fmt: skip
     run.add_argument("--until", choices=STAGES, default="quality", help="last stage (default quality)")
     _common(run)
 

@@ -15,11 +15,12 @@ from graphos_core import registry
 from graphos_core.data import Block
 from graphos_core.errors import UserError
 from graphos_core.images import told_remarks
+from graphos_core.mask_import import import_masks
 from graphos_core.outputs import check_writable, write_outputs
 from graphos_core.params import unknown_name
 from graphos_core.pipeline import Pipeline
 from graphos_core.project import Project
-from graphos_core.project_file import FILE, copy_known, read_settings
+from graphos_core.project_file import FILE, copy_known, read_settings, relative_path
 from graphos_core.recipe import Recipe
 from graphos_core.registry import STAGES, Algorithm, Stage
 from graphos_core.report import build_report
@@ -44,6 +45,11 @@ def run(options: argparse.Namespace) -> int:
         project = project.with_orientation(
             given_orientation(options.orientation, progress), str(options.orientation)
         )
+    if options.masks is not None:
+        taken, failures = import_masks(options.masks, project.folder, project.photo_set.photos)
+        for failure in failures:
+            progress.warn(f"{failure.item}: {failure.reason}")
+        progress.say(Text("masks for {count} photos", count=len(taken)))
     pipeline = Pipeline(project, recipe)
     folder = run_pipeline(pipeline, cast(Stage, options.until), progress)
     print_summary(build_report(pipeline), folder)
@@ -118,6 +124,10 @@ def _recipe(options: argparse.Namespace) -> Recipe:
         free = str(options.calibration != "fixed").lower()
         for name in ("incremental", "hierarchical", "given"):
             recipe = recipe.set(f"adjustment.{name}.self_calibration={free}")
+    if getattr(options, "undistort", None) is not None:
+        file = relative_path(options.undistort, options.out)
+        recipe = recipe.set("preprocessing.undistortion=calibrated")
+        recipe = recipe.set(f"preprocessing.calibrated.calibration={file}")
     if getattr(options, "orientation", None) is not None:
         recipe = recipe.set("adjustment.orientation=given")
     for assignment in options.assignments:

@@ -1,4 +1,4 @@
-"""What a run leaves in its folder: report, recipe, clouds and the orientation in COLMAP's text format.
+"""What a run leaves in its folder: report, recipe, clouds, calibrated cameras of the photos as taken and the orientation in COLMAP's text format.
 
 Every run gets a folder of its own below ``runs``; the files of the newest run are also at the top, where people look
 for them. Earlier runs are never touched.
@@ -17,6 +17,7 @@ import numpy as np
 from graphos_core.pipeline import Pipeline
 from graphos_core.recipe import Recipe
 from graphos_core.report import build_report
+from graphos_core.seen_photos import block_as_taken
 from graphos_core.store import cannot_write, write_text
 
 COLMAP_FILES = ("cameras.txt", "images.txt", "points3D.txt")
@@ -90,6 +91,7 @@ def write_outputs(pipeline: Pipeline, made: str) -> Path:
 
 
 def _write_models(pipeline: Pipeline, folder: Path) -> None:
+    from graphos_core.exchange.calibration_file import write_calibration
     from graphos_core.exchange.colmap import write_colmap
     from graphos_core.exchange.ply import write_ply_cloud
 
@@ -102,6 +104,7 @@ def _write_models(pipeline: Pipeline, folder: Path) -> None:
             notes = [f"coordinates less the local origin {origin[0]:.3f} {origin[1]:.3f} {origin[2]:.3f} m"]
         write_ply_cloud(folder / "sparse.ply", block.points, block.colours, unit=block.unit, comments=notes)
         write_colmap(block, folder / "colmap")
+        write_calibration(folder / "cameras.toml", block_as_taken(pipeline, block).cameras)
     dense = pipeline.result("dense")
     if dense is not None:
         cloud = dense.cloud
@@ -126,7 +129,7 @@ def _publish(folder: Path, home: Path) -> None:
 
     They stay in the folder of the run that made them, so nothing is lost and nothing at the top is out of date.
     """
-    names = ["report.html", "report.json", "recipe.toml", "sparse.ply", "dense.ply"]
+    names = ["report.html", "report.json", "recipe.toml", "sparse.ply", "dense.ply", "cameras.toml"]
     names += [f"colmap/{name}" for name in COLMAP_FILES]
     for name in names:
         source, target = folder / name, home / name

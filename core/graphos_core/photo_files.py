@@ -60,6 +60,8 @@ class PhotoFile:
 def list_photo_files(source: str | Path | Sequence[str | Path]) -> list[Path]:
     """Return the files of a folder that are pictures by their names, or the files of a list; sorted by name.
 
+    Pictures of masks beside their photos (``NAME_mask.png``) are passed over.
+
     Raises
     ------
     UserError
@@ -88,6 +90,10 @@ def list_photo_files(source: str | Path | Sequence[str | Path]) -> list[Path]:
         raise UserError(what, str(problem.strerror or problem), todo) from problem
     endings = PHOTO_ENDINGS + OTHER_PICTURES
     files = [p for p in entries if p.suffix.lower() in endings and not p.name.startswith(".") and p.is_file()]
+    from graphos_core.mask_import import is_mask_picture
+
+    listed = [path.name for path in files]
+    files = [path for path in files if not is_mask_picture(path.name, listed)]
     if not files:
         why = (
             Text("It holds {count} other files or folders.", count=len(entries))

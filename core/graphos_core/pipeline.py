@@ -23,6 +23,7 @@ from graphos_core.project_file import inside
 from graphos_core.recipe import Recipe
 from graphos_core.registry import STAGES, Stage
 from graphos_core.run import Run
+from graphos_core.seen_photos import seen_photos
 from graphos_core.steps import STEPS, Step, steps_of
 from graphos_core.store import content_key
 from graphos_core.text import Text
@@ -61,11 +62,14 @@ class Pipeline:
         self.project = project
         self.recipe = recipe
         self._keys: dict[str, str] = {}
+        self._seen: tuple[bool, PhotoSet] | None = None
 
     @property
     def photos(self) -> PhotoSet:
-        """The photos in use and their cameras."""
-        return self.project.photo_set
+        """The photos as the steps after preprocessing see them, with their cameras; see `graphos_core.seen_photos`."""
+        if self._seen is None or self._seen[0] != self.has("images"):
+            self._seen = (self.has("images"), seen_photos(self))
+        return self._seen[1]
 
     def key(self, step_name: str) -> str:
         """Return the key of a step's result for this recipe."""

@@ -119,14 +119,15 @@ def copy_control(source: Path, folder: Path) -> str:
 
 
 def copy_known(source: Path, folder: Path) -> None:
-    """Copy what a project knows beside control points to another one: distances, ``known.toml`` and its tables.
+    """Copy what a project knows beside control points to another one: distances, ``known.toml``, tables, masks.
 
     What the other one has already stays.
     """
     from graphos_core.exchange.distance_table import FILE as DISTANCES
     from graphos_core.exchange.known import known_tables
 
-    for path in (source / DISTANCES, source / KNOWN, *known_tables(source / KNOWN)):
+    masks = (source / "masks.toml", *sorted((source / "masks").glob("*.png")))
+    for path in (source / DISTANCES, source / KNOWN, *known_tables(source / KNOWN), *masks):
         if not path.is_file() or not path.resolve().is_relative_to(source.resolve()):
             continue
         copy = folder / path.resolve().relative_to(source.resolve())

@@ -35,7 +35,7 @@ SCHEMA = 1
 
 DEFAULTS: Mapping[str, Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
-        "preprocessing": {"filter": ()},
+        "preprocessing": {"undistortion": ("as_taken",), "filter": ()},
         "features": {
             "detector": ("sift",),
             "pairs": ("all",),

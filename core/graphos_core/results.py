@@ -12,6 +12,7 @@ from graphos_core.data import (
     Features,
     Georeference,
     PairMatches,
+    Photo,
     Tracks,
     record,
 )
@@ -21,7 +22,7 @@ from graphos_core.roles import ComparisonResult
 
 @record
 class PreprocessingResult:
-    """Filtered photos.
+    """Undistorted and filtered photos.
 
     Attributes
     ----------
@@ -29,10 +30,14 @@ class PreprocessingResult:
         Paths of the result images in the order of the photos; empty when no filter is chosen and the photos are
         used as they are.
     failures : tuple of ItemFailure
+    undistorted : tuple of Photo
+        The undistorted photos in the order of the photos, their paths inside the result's folder; what they do not
+        show is transparent. Empty when the photos stay as taken.
     """
 
     files: tuple[str, ...] = ()
     failures: tuple[ItemFailure, ...] = ()
+    undistorted: tuple[Photo, ...] = ()
 
 
 @record

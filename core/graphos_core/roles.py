@@ -8,6 +8,7 @@ pure: it prints nothing, reads no settings, and gives the same result for the sa
 ========================  =====================  =========================================================
 stage                     role                   protocol
 ========================  =====================  =========================================================
+preprocessing             undistortion           `Undistortion`, one camera: how its photos are resampled
 preprocessing             filter                 `Filter`, one photo; filters form a chain
 features                  detector               `Detector`, one photo
 features                  pairs                  `PairSelector`, all photos: which pairs are matched
@@ -28,7 +29,7 @@ quality                   comparison             `Comparison`, cloud against ref
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from graphos_core.data import (
     Adjustment,
@@ -50,6 +51,12 @@ from graphos_core.data import (
 )
 from graphos_core.geometry.similarity import Similarity
 from graphos_core.run import Run
+
+if TYPE_CHECKING:
+    from graphos_core.preprocessing.undistortion import Resampling
+
+MaskReader = Callable[[int], Array | None]
+"""Reads the mask of photo i: bool (h, w), True where something may be measured; None: everywhere."""
 
 Reader = Callable[[int], Array]
 """Reads photo i, upright, as uint8 (h, w) or (h, w, 3) RGB; 16 bit and preprocessing already applied."""
@@ -76,8 +83,14 @@ class ComparisonResult:
     definition: str
 
 
+class Undistortion(Protocol):
+    """Calibrated camera of photos as taken to the way their undistorted ones are made; None leaves them as they are."""
+
+    def __call__(self, camera: Camera, params: Any, *, run: Run) -> Resampling | None: ...
+
+
 class Filter(Protocol):
-    """Image in, image out: uint8 or uint16 (h, w) or (h, w, 3) RGB to uint8 (h, w) or (h, w, 3)."""
+    """Image in, image out: uint8 or uint16 (h, w), (h, w, 3) RGB or (h, w, n) to uint8 (h, w) or (h, w, 3)."""
 
     def __call__(self, image: Array, params: Any, *, run: Run) -> Array: ...
 
@@ -165,7 +178,10 @@ class BundleAdjustment(Protocol):
 
 
 class DepthEstimation(Protocol):
-    """Adjusted block and a reader of its photos to consistent depth maps, one per photo that has neighbours."""
+    """Adjusted block and a reader of its photos to consistent depth maps, one per photo that has neighbours.
+
+    An algorithm that has the keyword ``mask: MaskReader | None`` is also handed the masks.
+    """
 
     def __call__(self, block: Block, read: Reader, params: Any, *, run: Run) -> tuple[DepthMap, ...]: ...
 

@@ -9,24 +9,27 @@ import hashlib
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import cv2
-import numpy as np
-
-from graphos_core.bands import visible
-from graphos_core.data import Array, Block, Cloud, Features, Finding, PhotoSet
+from graphos_core.data import Array, Block, Cloud, Features, Finding
 from graphos_core.errors import UserError
-from graphos_core.images import read_pixels
 from graphos_core.number_format import format_value
-from graphos_core.preprocessing.chain import apply_filters
-from graphos_core.preprocessing.grey import eight_bit
-from graphos_core.project_file import KNOWN, inside
+from graphos_core.project_file import KNOWN
 from graphos_core.registry import Algorithm, Stage
-from graphos_core.run import Run, each
-from graphos_core.store import cannot_write
+from graphos_core.run import Run
+from graphos_core.seen_photos import (
+    SeenMasks,
+    block_reader,
+    cameras_key,
+    covered_warning,
+    given_as_seen,
+    photo_grey_and_colour,
+    seen_known,
+    seen_masks_key,
+    undistortion_key,
+)
 from graphos_core.text import Text
 
 if TYPE_CHECKING:
@@ -63,57 +66,26 @@ class Step:
     inputs: Callable[[Pipeline], Any] = lambda pipeline: None
 
 
-def photo_grey_and_colour(pipeline: Pipeline, index: int) -> tuple[Array, Array]:
-    """Return photo `index` as features see it, uint8 grey (h, w), and its colours (h, w, 3)."""
-    photo = pipeline.photos.photos[index]
-    colour = eight_bit(visible(read_pixels(photo)))
-    files = pipeline.value("images").files
-    if files:
-        grey = cv2.imdecode(
-            np.fromfile(files_path(pipeline, files[index]), dtype=np.uint8), cv2.IMREAD_GRAYSCALE
-        )
-        if grey is None:
-            raise UserError(Text("The preprocessed image of {name} cannot be read.", name=photo.name),
-                            todo="Run preprocessing again.")  # fmt: skip
-    else:
-        grey = cv2.cvtColor(colour, cv2.COLOR_RGB2GRAY) if colour.ndim == 3 else colour
-    return np.asarray(grey), colour if colour.ndim == 3 else np.repeat(colour[:, :, None], 3, axis=2)
-
-
-def files_path(pipeline: Pipeline, name: str) -> Path:
-    """Return the path of a file that belongs to the preprocessing result."""
-    return inside(pipeline.project.store.path("images", pipeline.key("images")), name)
-
-
 def _images(pipeline: Pipeline, folder: Path, run: Run) -> Any:
-    from graphos_core.results import PreprocessingResult
+    from graphos_core.images_step import compute_images
 
-    chain = pipeline.recipe.algorithms("preprocessing", "filter")
-    if not chain:
-        return PreprocessingResult()
-    files: list[str] = []
-    for index, photo in enumerate(each(run, pipeline.photos.photos, "photos")):
-        image = apply_filters(read_pixels(photo), chain, run)
-        name = f"{index:05d}.png"
-        done, encoded = cv2.imencode(".png", image if image.ndim == 2 else image[:, :, ::-1])
-        if not done:
-            raise UserError(Text("The filtered image of {name} could not be encoded.", name=photo.name),
-                            todo="Run preprocessing with other parameters.")  # fmt: skip
-        try:
-            (folder / name).write_bytes(encoded.tobytes())
-        except OSError as problem:
-            raise cannot_write(Path(f"The filtered image of {photo.name}"), problem) from problem
-        files.append(name)
-        run.show("image", (index, image))
-    return PreprocessingResult(files=tuple(files))
+    return compute_images(pipeline, folder, run)
 
 
 def _keypoints(pipeline: Pipeline, folder: Path, run: Run) -> tuple[Features, ...]:
     from graphos_core.features.stage import detect_all
 
     algorithm, params = pipeline.recipe.algorithm("features", "detector")
-    count = len(pipeline.photos.photos)
-    return tuple(detect_all(count, lambda i: photo_grey_and_colour(pipeline, i), algorithm, params, run))
+    names, masks = [photo.name for photo in pipeline.photos.photos], SeenMasks(pipeline)
+
+    def mask(index: int) -> Array | None:
+        free = masks(index)
+        if free is not None and not free.any():
+            run.warn(covered_warning(names[index]))
+        return free
+
+    read = partial(photo_grey_and_colour, pipeline)
+    return tuple(detect_all(len(names), read, algorithm, params, run, mask))
 
 
 def _pairs(pipeline: Pipeline, folder: Path, run: Run) -> Any:
@@ -147,24 +119,24 @@ def _matches(pipeline: Pipeline, folder: Path, run: Run) -> Any:
 
 
 def _cameras(pipeline: Pipeline) -> Any:
-    return pipeline.project.photos_key()["cameras"]
+    return cameras_key(pipeline.photos)
 
 
 def _orientation(pipeline: Pipeline, folder: Path, run: Run) -> Block:
     algorithm, params = pipeline.recipe.algorithm("adjustment", "orientation")
     matched = pipeline.value("matches")
-    more = {"given": pipeline.project.given_orientation()} if _takes_given(algorithm) else {}
+    more = {"given": given_as_seen(pipeline)} if _takes(algorithm, "given") else {}
     block: Block = algorithm.function(pipeline.photos, matched.tracks, matched.pairs, params, run=run, **more)
     return block
 
 
-def _takes_given(algorithm: Algorithm) -> bool:
-    return "given" in inspect.signature(algorithm.function).parameters
+def _takes(algorithm: Algorithm, keyword: str) -> bool:
+    return keyword in inspect.signature(algorithm.function).parameters
 
 
 def _given(pipeline: Pipeline) -> Any:
     algorithm, _ = pipeline.recipe.algorithm("adjustment", "orientation")
-    return pipeline.project.settings.orientation if _takes_given(algorithm) else None
+    return pipeline.project.settings.orientation if _takes(algorithm, "given") else None
 
 
 def _georeference(pipeline: Pipeline, folder: Path, run: Run) -> Any:
@@ -172,7 +144,7 @@ def _georeference(pipeline: Pipeline, folder: Path, run: Run) -> Any:
 
     algorithm, params = pipeline.recipe.algorithm("adjustment", "georeferencing")
     block, georeference = algorithm.function(
-        pipeline.value("orientation"), pipeline.project.known(), params, run=run
+        pipeline.value("orientation"), seen_known(pipeline), params, run=run
     )
     return PlacedBlock(block=block, georeference=georeference)
 
@@ -185,7 +157,7 @@ def _adjustment(pipeline: Pipeline, folder: Path, run: Run) -> Any:
     algorithm, params = pipeline.recipe.algorithm("adjustment", "bundle")
     placed = pipeline.value("georeference")
     block = with_scale_sigma(placed.block, pipeline.value("matches").tracks, pipeline.value("keypoints"))
-    known = in_its_frame(pipeline.project.known(), placed.georeference)
+    known = in_its_frame(seen_known(pipeline), placed.georeference)
     adjusted = algorithm.function(block, known, params, run=run)
     placing = tuple(
         Finding(
@@ -214,15 +186,11 @@ def _known(pipeline: Pipeline) -> Any:
     return {"control": digests, "distance": settings.distance}
 
 
-def block_reader(photos: PhotoSet) -> Callable[[int], Array]:
-    """Return a function that reads photo i as uint8 RGB (h, w, 3) or grey (h, w)."""
-    return lambda index: eight_bit(visible(read_pixels(photos.photos[index])))
-
-
 def _depth(pipeline: Pipeline, folder: Path, run: Run) -> Any:
     algorithm, params = pipeline.recipe.algorithm("dense", "depth")
     block = pipeline.value("adjustment").adjustment.block
-    return tuple(algorithm.function(block, block_reader(pipeline.photos), params, run=run))
+    more = {"mask": SeenMasks(pipeline)} if _takes(algorithm, "mask") else {}
+    return tuple(algorithm.function(block, block_reader(pipeline.photos), params, run=run, **more))
 
 
 def _cloud(pipeline: Pipeline, folder: Path, run: Run) -> Cloud:
@@ -266,6 +234,16 @@ def _count(number: int) -> str:
     return format_value(int(number))
 
 
+def _images_line(found: Any) -> str:
+    if found.undistorted:
+        n = _count(len(found.undistorted))
+        return (Text("{n} photos undistorted and filtered", n=n) if found.files
+                else Text("{n} photos undistorted", n=n))  # fmt: skip
+    return (
+        Text("{n} photos filtered", n=_count(len(found.files))) if found.files else Text("photos as they are")
+    )
+
+
 def _features_line(found: Any) -> str:
     good = sum(1 for pair in found.pairs if not pair.reason)
     return Text("{pairs} pairs · {tracks} tracks", pairs=_count(good), tracks=_count(found.tracks.count))
@@ -282,10 +260,9 @@ def _adjustment_line(found: Any) -> str:
 STEPS: dict[str, Step] = {
     step.name: step
     for step in (
-        Step("images", "preprocessing", "", ("filter",), _images,
-             lambda v: Text("{n} photos filtered", n=_count(len(v.files))) if v.files else Text("photos as they are")),
+        Step("images", "preprocessing", "", ("undistortion", "filter"), _images, _images_line, undistortion_key),
         Step("keypoints", "features", "images", ("detector",), _keypoints,
-             lambda v: Text("{n} keypoints", n=_count(sum(len(f.xy) for f in v)))),
+             lambda v: Text("{n} keypoints", n=_count(sum(len(f.xy) for f in v))), seen_masks_key),
         Step("pairs", "features", "keypoints", ("pairs",), _pairs,
              lambda v: Text("{n} of {total} pairs", n=_count(len(v.pairs)), total=_count(v.possible)), _positions),
         Step("matches", "features", "pairs", ("matcher", "verification", "thinning", "tracks"), _matches,
@@ -295,7 +272,8 @@ STEPS: dict[str, Step] = {
         Step("georeference", "adjustment", "orientation", ("georeferencing",), _georeference,
              lambda v: Text("placed by {method}", method=v.georeference.method), _known),
         Step("adjustment", "adjustment", "georeference", ("bundle",), _adjustment, _adjustment_line),
-        Step("depth", "dense", "adjustment", ("depth",), _depth, lambda v: Text("{n} depth maps", n=_count(len(v)))),
+        Step("depth", "dense", "adjustment", ("depth",), _depth,
+             lambda v: Text("{n} depth maps", n=_count(len(v))), seen_masks_key),
         Step("cloud", "dense", "depth", ("fusion",), _cloud, lambda v: Text("{n} points", n=_count(len(v.points)))),
         Step("quality", "quality", "cloud", ("registration", "comparison"), _quality,
              lambda v: Text("{n} points compared", n=_count(len(v.comparison.distances))) if v.comparison

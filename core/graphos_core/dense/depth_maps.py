@@ -12,11 +12,11 @@ from graphos_core.dense.coarse_to_fine import Matching, Surface, estimate, step_
 from graphos_core.dense.consistency import InverseMap, consistent_views
 from graphos_core.dense.consistency_kernels import remove_speckles
 from graphos_core.dense.neighbours import Neighbourhood, choose_neighbours
-from graphos_core.dense.undistort import View, grey_view, undistortion
+from graphos_core.dense.undistort import Undistortion, View, grey_view, undistortion
 from graphos_core.errors import UserError
 from graphos_core.params import About, Params
 from graphos_core.registry import algorithm
-from graphos_core.roles import Reader
+from graphos_core.roles import MaskReader, Reader
 from graphos_core.run import Run, each, map_items
 from graphos_core.text import Text
 
@@ -130,7 +130,9 @@ CHECKED_WITH = 10
     "Collins 1996, space sweep",
     learn="dense/multiview",
 )
-def multiview(block: Block, read: Reader, params: MultiViewParams, *, run: Run) -> tuple[DepthMap, ...]:
+def multiview(
+    block: Block, read: Reader, params: MultiViewParams, *, run: Run, mask: MaskReader | None = None
+) -> tuple[DepthMap, ...]:
     """Match every photo with its best neighbours and keep the depths that other photos confirm.
 
     For each photo: similarity of small windows along inverse depth, averaged over the better half of the
@@ -145,6 +147,8 @@ def multiview(block: Block, read: Reader, params: MultiViewParams, *, run: Run) 
     params : MultiViewParams
     run : Run
         Shows each finished, unchecked map as ``"depth_map"``.
+    mask : MaskReader, optional
+        Masked pixels get no depth and give no photo support.
 
     Returns
     -------
@@ -160,7 +164,8 @@ def multiview(block: Block, read: Reader, params: MultiViewParams, *, run: Run) 
     """
     places = choose_neighbours(block, params.neighbours)
     _warn_left_out(block, places, run)
-    views = _read_views(block, read, params.image_size, [place.photo for place in places], run)
+    photos = [place.photo for place in places]
+    views = _read_views(block, read, mask, params.image_size, photos, run)
     job = partial(_match_photo, views=views, how=params.matching(), run=run)
     surfaces = map_items(run, job, places, "depth maps")
     return _checked(block, places, views, surfaces, params, run)
@@ -184,15 +189,18 @@ def _warn_left_out(block: Block, places: list[Neighbourhood], run: Run) -> None:
         )
 
 
-def _read_views(block: Block, read: Reader, side: int, photos: list[int], run: Run) -> dict[int, View]:
+def _read_views(
+    block: Block, read: Reader, mask: MaskReader | None, side: int, photos: list[int], run: Run
+) -> dict[int, View]:
     """Return the reduced distortion-free grey picture of each photo that is matched or a neighbour."""
     views: dict[int, View] = {}
-    ways: dict[int, object] = {}
+    ways: dict[int, Undistortion] = {}
     for photo in each(run, photos, "photos"):
         camera = int(block.camera_of_photo[photo])
         if camera not in ways:
             ways[camera] = undistortion(block.cameras[camera], side)
-        views[photo] = grey_view(block, photo, read(photo), ways[camera])  # type: ignore[arg-type]
+        free = mask(photo) if mask is not None else None
+        views[photo] = grey_view(block, photo, read(photo), ways[camera], free)
     return views
 
 

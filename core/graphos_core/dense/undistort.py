@@ -142,7 +142,24 @@ def undistort(image: Array, way: Undistortion) -> Array:
     return cv2.remap(image, x, y, cv2.INTER_CUBIC, borderMode=cv2.BORDER_CONSTANT, borderValue=(OUTSIDE,) * 3)
 
 
-def grey_view(block: Block, photo: int, image: Array, way: Undistortion) -> View:
+def undistorted_mask(mask: Array, way: Undistortion) -> Array:
+    """Return where all pixels behind a pixel of the distortion-free, reduced picture are free; bool (h, w).
+
+    Parameters
+    ----------
+    mask : bool (H, W)
+        Of the full photo, True where something may be measured.
+    way : Undistortion
+    """
+    reach = int(np.ceil(0.5 / way.scale))
+    sure = cv2.erode(mask.astype(np.uint8), np.ones((2 * reach + 1, 2 * reach + 1), np.uint8), borderValue=1)
+    x, y = (
+        np.clip(np.rint(way.source_xy[..., i]), 0, mask.shape[1 - i] - 1).astype(np.intp) for i in range(2)
+    )
+    return sure[y, x] > 0
+
+
+def grey_view(block: Block, photo: int, image: Array, way: Undistortion, mask: Array | None = None) -> View:
     """Return the grey `View` of an oriented photo.
 
     Parameters
@@ -153,8 +170,12 @@ def grey_view(block: Block, photo: int, image: Array, way: Undistortion) -> View
         The full photo.
     way : Undistortion
         Of the photo's camera.
+    mask : bool (H, W), optional
+        True where something may be measured; the rest counts as not shown.
     """
     grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY) if image.ndim == 3 else image
     grey = np.maximum(undistort(grey, way), 1)
     grey[way.source_xy[..., 0] < -1e5] = OUTSIDE
+    if mask is not None:
+        grey[~undistorted_mask(mask, way)] = OUTSIDE
     return View(photo, grey, way.focal_px, way.cx, way.cy, block.rotations[photo], block.centres[photo])

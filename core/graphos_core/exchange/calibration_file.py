@@ -17,7 +17,8 @@
     [camera.sigmas]            # optional
     focal_px = 0.4
 
-The centre of the top-left pixel is (0, 0). A single ``[camera]``, as ``graphos convert camera`` writes it, is read too.
+A camera may have ``[[camera.before]]`` cameras, whose distortion is taken away first (`Camera.before`). The centre of the
+top-left pixel is (0, 0). A single ``[camera]``, as ``graphos convert camera`` writes it, is read too.
 """
 
 from __future__ import annotations
@@ -54,21 +55,25 @@ def write_calibration(path: Path, cameras: Sequence[Camera]) -> None:
     UserError
         When the file cannot be written.
     """
-    entries = []
-    for camera in cameras:
-        model = camera_model(camera.model)
-        entry: dict[str, Any] = {
-            "label": str(camera.label), "model": camera.model, "direction": model.direction, "width": camera.width,
-            "height": camera.height,
-        }  # fmt: skip
-        if camera.pixel_pitch_mm is not None:
-            entry["pixel_pitch_mm"] = float(camera.pixel_pitch_mm)
-        entry["values"] = {n: float(v) for n, v in zip(model.names, camera.values, strict=True)}
-        if camera.sigmas is not None:
-            known = zip(model.names, camera.sigmas, strict=True)
-            entry["sigmas"] = {n: float(s) if math.isfinite(s) else 0.0 for n, s in known}
-        entries.append(entry)
+    entries = [_entry(camera) for camera in cameras]
     write_text(path, HEAD + tomli_w.dumps({"schema": SCHEMA, "version": __version__, "camera": entries}))
+
+
+def _entry(camera: Camera) -> dict[str, Any]:
+    model = camera_model(camera.model)
+    entry: dict[str, Any] = {
+        "label": str(camera.label), "model": camera.model, "direction": model.direction, "width": camera.width,
+        "height": camera.height,
+    }  # fmt: skip
+    if camera.pixel_pitch_mm is not None:
+        entry["pixel_pitch_mm"] = float(camera.pixel_pitch_mm)
+    entry["values"] = {n: float(v) for n, v in zip(model.names, camera.values, strict=True)}
+    if camera.sigmas is not None:
+        known = zip(model.names, camera.sigmas, strict=True)
+        entry["sigmas"] = {n: float(s) if math.isfinite(s) else 0.0 for n, s in known}
+    if camera.before:
+        entry["before"] = [_entry(earlier) for earlier in camera.before]
+    return entry
 
 
 def read_calibration(path: Path) -> tuple[Camera, ...]:
@@ -126,6 +131,7 @@ def _camera(entry: dict[str, Any], path: Path) -> Camera:
         sigmas=np.array([_number(n, sigmas.get(n, 0.0)) for n in model.names]) if sigmas else None,
         label=str(entry.get("label", "")), pixel_pitch_mm=None if pitch is None else _number("pixel_pitch_mm", pitch),
         focal_estimated=False, focal_source=Text("given calibration {name}", name=path.name),
+        before=tuple(_camera(earlier, path) for earlier in entry.get("before", [])),
     )  # fmt: skip
 
 
