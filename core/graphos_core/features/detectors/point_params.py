@@ -28,16 +28,18 @@ class PointParams(Params):
         ),
     ] = 8192
     selection: Annotated[
-        Literal["scale", "strength", "grid"],
+        Literal["scale", "strength", "grid", "anms"],
         About(
             label="Choose points",
             help="Which points stay when there are more.",
             effect="By scale: the largest, which several photos see best. By strength: the highest response, mostly "
-            "small ones. Evenly: weakly structured parts of the photo get points too.",
+            "small ones. Evenly: weakly structured parts of the photo get points too, the largest of every cell, or "
+            "strong ones at a distance from each other.",
             choices={
                 "scale": "by scale",
                 "strength": "by strength",
                 "grid": "evenly, by cells",
+                "anms": "evenly, by distance (ANMS)",
             },
             learn=LESSON,
             level="novice",

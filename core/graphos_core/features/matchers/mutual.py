@@ -7,6 +7,7 @@ from typing import Annotated
 import numpy as np
 
 from graphos_core.data import Array, Candidates, Features
+from graphos_core.features.matchers.hamming import nearest_two_binary
 from graphos_core.features.matchers.kernels import scan_rows
 from graphos_core.params import About, Params
 from graphos_core.registry import algorithm
@@ -62,11 +63,12 @@ def mutual(a: Features, b: Features, params: MutualParams, *, run: Run) -> Candi
     One product gives every distance, ``−½ d² = a·b − ½ a·a − ½ b·b``, the squares as two more columns of the
     descriptors. Both directions are read from it. With descriptors of bytes all sums are multiples of ½ below 2²³,
     hence exact in float32, in whatever order they are added: the result does not depend on threads or processor.
+    Binary descriptors are compared by the number of bits in which they differ.
 
     Parameters
     ----------
     a, b : Features
-        With n and m descriptors of the same length.
+        With n and m descriptors of the same length and metric; of different ones nothing matches.
     params : MutualParams
     run : Run
 
@@ -76,9 +78,11 @@ def mutual(a: Features, b: Features, params: MutualParams, *, run: Run) -> Candi
         With the steps ``nearest``, ``ratio`` and, with `MutualParams.mutual`, ``mutual``.
     """
     n, m = len(a.descriptors), len(b.descriptors)
-    if n < 2 or m < 2 or a.descriptors.shape[1] != b.descriptors.shape[1]:
+    alike = a.metric == b.metric and a.descriptors.shape[1] == b.descriptors.shape[1]
+    if n < 2 or m < 2 or not alike:
         return Candidates.none()
-    row, column = nearest_two(a.descriptors, b.descriptors)
+    nearest_of = nearest_two_binary if a.metric == "hamming" else nearest_two
+    row, column = nearest_of(a.descriptors, b.descriptors)
     square = np.float32(params.ratio) ** 2
     passed = _passes(row, square)
     candidate = row[2]
