@@ -54,6 +54,8 @@ NAMES = {
     "disk": "harddisk",
     "ruler": "ruler",
     "trash": "trash-can-outline",
+    "mask": "selection-off",
+    "mask kept": "selection",
     "undo": "undo",
     "redo": "redo",
     "paste": "content-paste",

@@ -19,6 +19,7 @@ from graphos_py.loading import DRAFT, create_project, open_project, read_latest
 from graphos_py.loading import load_engine as load_engine
 
 if TYPE_CHECKING:
+    from graphos_core.data import Camera, Photo
     from graphos_core.pipeline import Pipeline
     from graphos_core.project import Project
     from graphos_core.recipe import Recipe
@@ -130,6 +131,35 @@ class Session(QObject):
             self.project_changed.emit()
         if self.pipeline is not None and self.pipeline.state("adjustment").status == "done":
             self.load_results(later)
+
+    def masks_changed(self) -> None:
+        """Go on after masks were edited: results of now may be those of other masks, or none."""
+        if self.recipe is not None:
+            self._set_recipe(self.recipe)
+        later = STAGES[STAGES.index("features") :]
+        for stage in later:
+            self.failed.pop(stage, None)
+        self.states_changed.emit()
+
+    def seen(self, photo: Photo) -> Photo:
+        """Return a photo as results see it: undistorted where the recipe says so and the step is done."""
+        if self.pipeline is None:
+            return photo
+        try:
+            if self.pipeline.has("images"):
+                return next((p for p in self.pipeline.photos.photos if p.name == photo.name), photo)
+        except UserError:  # no calibration yet: the step says so itself
+            pass
+        return photo
+
+    def seen_cameras(self) -> tuple[Camera, ...]:
+        """Return the cameras that belong to the photos as results see them."""
+        if self.project is None:
+            return ()
+        try:
+            return self.pipeline.photos.cameras if self.pipeline else self.project.photo_set.cameras
+        except UserError:
+            return self.project.photo_set.cameras
 
     def _opened(self, opened: tuple[Any, Any]) -> None:
         self.photo = 0

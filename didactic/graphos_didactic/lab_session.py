@@ -269,7 +269,7 @@ def hand_in(session: LabSession, pipeline: Pipeline | None) -> str:
         from graphos_core.report.model_picture import report_pictures
 
         assert pipeline is not None
-        data, recipe = data_hash(pipeline.photos), pipeline.recipe.to_toml()
+        data, recipe = data_hash(pipeline.project.photo_set), pipeline.recipe.to_toml()
         pictures = report_pictures(pipeline)
     template = (resources.files("graphos_resources") / "labs" / "hand_in.html.j2").read_text("utf-8")
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)

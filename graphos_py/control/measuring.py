@@ -122,7 +122,7 @@ class MeasuringView(QWidget):
             self._pixels.move_to_end(photo.digest)
             self._show_pixels(self._pixels[photo.digest])
             return
-        read_photo(self.desk.session, photo, lambda read: self._read(photo.name, read))
+        read_photo(self.desk.session, photo, lambda read: self._read(photo.name, read), as_taken=True)
 
     def _read(self, name: str, read: tuple[str, Array]) -> None:
         digest, pixels = read

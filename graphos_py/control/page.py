@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -15,6 +16,7 @@ from graphos_core.adjustment.measuring.object_residuals import object_residuals
 from graphos_core.adjustment.measuring.prediction import Intersection
 from graphos_core.adjustment.measuring.sights import Sight, Standing, marks_of_point, standing
 from graphos_core.data import Array, Block
+from graphos_core.errors import UserError
 from graphos_core.exchange.control_sheet import SheetPoint
 from graphos_core.number_format import format_value
 from graphos_core.params import Level
@@ -44,6 +46,7 @@ class ControlPage(QWidget):
         self.result: Any = None
         self._sights: list[Sight] = []
         self._standing_of = ""
+        self._raw: tuple[Block, Block] | None = None
         self._serial = 0
         self._background = Background(self)
         self.table = ControlTable(self.desk, level)
@@ -148,8 +151,18 @@ class ControlPage(QWidget):
 
     @property
     def block(self) -> Block | None:
-        """The oriented block, if there is one."""
-        return None if self.result is None else self.result.adjustment.block
+        """The oriented block of the photos as taken, in which people measure, if there is one."""
+        if self.result is None:
+            return None
+        block: Block = self.result.adjustment.block
+        if self._raw is None or self._raw[0] is not block:
+            from graphos_core.seen_photos import block_as_taken
+
+            pipeline = self.session.pipeline
+            self._raw = (block, block)
+            with suppress(UserError):  # a calibration that is gone
+                self._raw = (block, block if pipeline is None else block_as_taken(pipeline, block))
+        return self._raw[1]
 
     # --------------------------------------------------------------------------------------------- reacting
 

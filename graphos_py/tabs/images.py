@@ -1,4 +1,4 @@
-"""Photos and cameras: the selected photo, what its file says, and the cameras of the project."""
+"""Photos and cameras: the selected photo with its mask, what its file says, and the cameras of the project."""
 
 from __future__ import annotations
 
@@ -93,6 +93,8 @@ class ImagesTab(QWidget):
         photo_set = self.session.project.photo_set
         self._fill_tables(photo_set)
         self._shown = ""
+        if self.masks.photo is not None and self.masks.photo not in photo_set.photos:
+            self.masks.forget()
         self._selected(self.session.photo)
 
     def showEvent(self, event: QShowEvent) -> None:
@@ -101,11 +103,19 @@ class ImagesTab(QWidget):
         self.refresh()
 
     def _make(self) -> None:
+        from graphos_py.masks.editor import MaskEditor
         from graphos_py.views.image_view import ImageView
         from graphos_py.views.table_view import TableView
 
         self._made = True
         self.image = ImageView()
+        self.masks = MaskEditor(self.session, self.image.canvas)
+        upper = QWidget()
+        stacked = QVBoxLayout(upper)
+        stacked.setContentsMargins(0, 0, 0, 0)
+        stacked.setSpacing(0)
+        stacked.addWidget(self.masks)
+        stacked.addWidget(self.image, 1)
         self.facts = QLabel()
         self.facts.setTextFormat(Qt.TextFormat.RichText)
         self.facts.setWordWrap(True)
@@ -123,7 +133,7 @@ class ImagesTab(QWidget):
         side.addWidget(heading)
         side.addWidget(self.cameras, 1)
         splitter = QSplitter(Qt.Orientation.Horizontal)
-        splitter.addWidget(self.image)
+        splitter.addWidget(upper)
         splitter.addWidget(lower)
         splitter.setStretchFactor(0, 3)
         splitter.setStretchFactor(1, 2)
@@ -158,9 +168,10 @@ class ImagesTab(QWidget):
         self.facts.setText(
             facts_html(photo.name, photo_facts(photo, project.photo_set.cameras[photo.camera]))
         )
+        self.masks.show_photo(photo)
         if photo.digest != self._shown:
             self._shown = photo.digest
-            read_photo(self.session, photo, self._read)
+            read_photo(self.session, photo, self._read, as_taken=True)
 
     def _read(self, read: tuple[str, Any]) -> None:
         digest, pixels = read
@@ -179,15 +190,20 @@ def facts_html(name: str, facts: list[tuple[str, str]]) -> str:
     return f"<h3>{escape(name)}</h3><table>{rows}</table>"
 
 
-def read_photo(session: Session, photo: Photo, then: Any) -> Job:
-    """Read a photo's pixels in the background; `then` gets (digest, uint8 pixels)."""
+def read_photo(session: Session, photo: Photo, then: Any, *, as_taken: bool = False) -> Job:
+    """Read a photo's pixels in the background; `then` gets (digest of `photo`, uint8 pixels).
+
+    It is read as results see it, undistorted where it is, so that keypoints and residuals lie at their places; with
+    `as_taken` as the camera took it.
+    """
+    seen = photo if as_taken else session.seen(photo)
 
     def work(run: Run) -> tuple[str, Any]:
         from graphos_core.bands import visible
         from graphos_core.images import read_pixels
         from graphos_core.preprocessing.grey import eight_bit
 
-        return photo.digest, eight_bit(visible(read_pixels(photo)))
+        return photo.digest, eight_bit(visible(read_pixels(seen)))
 
     job = Job(work, name=f"photo {photo.name}", engine=False)
     job.succeeded.connect(then)

@@ -1,0 +1,1 @@
+"""Drawing masks on photos: what is excluded from measuring, as polygons."""
