@@ -25,6 +25,7 @@ from graphos_py.theme import theme
 from graphos_py.translation import tr
 
 ROLE_LABELS = {
+    "analysis": "Analysis",
     "filter": "Filters",
     "detector": "Detector",
     "pairs": "Pairs",

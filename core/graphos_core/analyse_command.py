@@ -40,7 +40,7 @@ def analyse_photos(photos: PhotoSet, params: AnalyserParams, run: Run) -> SetVer
         When the person asked to stop.
     """
     figures: list[PhotoFigures] = map_items(run, partial(_measure, run=run), list(photos.photos), "photos")
-    return judge_set(figures, params)
+    return judge_set(figures, params, run=run)
 
 
 def _measure(photo: Photo, run: Run) -> PhotoFigures:

@@ -35,7 +35,7 @@ SCHEMA = 1
 
 DEFAULTS: Mapping[str, Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
-        "preprocessing": {"undistortion": ("as_taken",), "filter": ()},
+        "preprocessing": {"analysis": ("analyser",), "undistortion": ("as_taken",), "filter": ()},
         "features": {
             "detector": ("sift",),
             "pairs": ("all",),

@@ -8,6 +8,7 @@ pure: it prints nothing, reads no settings, and gives the same result for the sa
 ========================  =====================  =========================================================
 stage                     role                   protocol
 ========================  =====================  =========================================================
+preprocessing             analysis               `Analysis`, figures of all photos to verdicts; not a step of the pipeline
 preprocessing             undistortion           `Undistortion`, one camera: how its photos are resampled
 preprocessing             filter                 `Filter`, one photo; filters form a chain
 features                  detector               `Detector`, one photo
@@ -50,6 +51,8 @@ from graphos_core.data import (
     record,
 )
 from graphos_core.geometry.similarity import Similarity
+from graphos_core.preprocessing.analyser import SetVerdict
+from graphos_core.preprocessing.analyser_figures import PhotoFigures
 from graphos_core.run import Run
 
 if TYPE_CHECKING:
@@ -81,6 +84,12 @@ class ComparisonResult:
     statistics: dict[str, float]
     unit: str
     definition: str
+
+
+class Analysis(Protocol):
+    """Figures of every photo of a set (`graphos_core.preprocessing.analyser_figures`) to a verdict on the set."""
+
+    def __call__(self, figures: Sequence[PhotoFigures], params: Any, *, run: Run) -> SetVerdict: ...
 
 
 class Undistortion(Protocol):

@@ -27,6 +27,8 @@ from graphos_core.preprocessing.analyser_figures import (
     working_copy,
 )
 from graphos_core.preprocessing.grey import eight_bit, luma
+from graphos_core.registry import algorithm
+from graphos_core.run import Run
 from graphos_core.text import Text
 
 LESSON = "preprocessing/analyser"
@@ -219,14 +221,24 @@ def measure_photo(image: Array) -> PhotoFigures:
     )
 
 
-def judge_set(figures: Sequence[PhotoFigures], params: AnalyserParams) -> SetVerdict:
-    """Judge every photo of a set, and the set as a whole by its median.
+@algorithm(
+    stage="preprocessing",
+    role="analysis",
+    name="analyser",
+    label="Smart image analyser",
+    source="González-Aguilera et al. 2018, GRAPHOS (dispersion of hue and saturation, median over the set); Lowe 2004, "
+    "section 3 (strong spots); Crete et al. 2007 (blur); Immerkær 1996 (noise)",
+    learn=LESSON,
+)
+def judge_set(figures: Sequence[PhotoFigures], params: AnalyserParams, *, run: Run) -> SetVerdict:
+    """Judge every photo of a set, and the set as a whole by its median, whether enhancing would bring more matches.
 
     Parameters
     ----------
     figures : sequence of PhotoFigures
         At least one.
     params : AnalyserParams
+    run : Run
     """
     by_spots = params.score == "spots"
     threshold = float(params.threshold) if by_spots else params.colour_threshold

@@ -51,7 +51,7 @@ def test_motion_blur_is_told_from_defocus_and_its_direction_found() -> None:
     for name, angle in (("row", 0), ("diagonal", 45), ("column", 90)):
         assert np.degrees(found[name].motion_direction) == pytest.approx(angle)
     others = [measure_photo(picture(seed)) for seed in (1, 2, 3)]
-    verdict = judge_set([found["row"], found["defocus"], *others], AnalyserParams())
+    verdict = judge_set([found["row"], found["defocus"], *others], AnalyserParams(), run=RUN)
     assert verdict.photos[0].verdict == "bad" and "Motion blur" in verdict.photos[0].remarks[0]
     assert "Out of focus" in verdict.photos[1].remarks[0]
     assert all(not any("lur" in r for r in one.remarks) for one in verdict.photos[2:])
@@ -60,7 +60,7 @@ def test_motion_blur_is_told_from_defocus_and_its_direction_found() -> None:
 def test_exposure_is_remarked() -> None:
     photo = picture().astype(float)
     bright, dark = (np.clip(photo + shift, 0, 255).astype(np.uint8) for shift in (150, -150))
-    verdict = judge_set([measure_photo(p) for p in (bright, dark)], AnalyserParams())
+    verdict = judge_set([measure_photo(p) for p in (bright, dark)], AnalyserParams(), run=RUN)
     assert verdict.photos[0].remarks[0].startswith("Overexposed")
     assert verdict.photos[1].remarks[0].startswith("Underexposed")
     assert measure_photo(bright).white == pytest.approx(
@@ -111,13 +111,13 @@ def test_duplicates_are_found_and_neighbours_are_not() -> None:
 def test_a_set_is_enhanced_by_its_median_and_says_why() -> None:
     textured, plain = picture(size=(1000, 1200)), np.rint(128 + 0.1 * (picture(size=(1000, 1200)) - 128.0))
     rich, poor = measure_photo(textured), measure_photo(plain.astype(np.uint8))
-    left = judge_set([rich, rich, poor], AnalyserParams())
+    left = judge_set([rich, rich, poor], AnalyserParams(), run=RUN)
     assert not left.enhance and left.filters == () and str(rich.spots) in left.reason
     assert [one.verdict for one in left.photos] == ["good", "good", "weak"]
-    raised = judge_set([rich, poor, poor], AnalyserParams())
+    raised = judge_set([rich, poor, poor], AnalyserParams(), run=RUN)
     assert raised.enhance and raised.filters and str(poor.spots) in raised.reason
-    assert judge_set([rich], AnalyserParams(threshold=rich.spots + 1)).enhance
-    by_colour = judge_set([rich], AnalyserParams(score="colour", colour_threshold=0.0))
+    assert judge_set([rich], AnalyserParams(threshold=rich.spots + 1), run=RUN).enhance
+    by_colour = judge_set([rich], AnalyserParams(score="colour", colour_threshold=0.0), run=RUN)
     assert by_colour.score == pytest.approx((rich.hue_dispersion + rich.saturation_dispersion) / 2)
 
 
