@@ -7,8 +7,17 @@ from typing import Annotated, Any, Literal
 import cv2
 import numpy as np
 
-from graphos_core.cameras import camera_model, ray_from_pixel
 from graphos_core.data import Array, Camera, Candidates, Features, PairMatches
+from graphos_core.features.pair_verdict import (
+    LESSON,
+    VerificationParams,
+    epipolar_kind,
+    ideal_pixels,
+    matched_positions,
+    pair_seed,
+    rejected,
+)
+from graphos_core.features.robust.scene import pair_scene
 from graphos_core.geometry.epipolar import (
     essential_from_relative,
     fundamental_from_essential,
@@ -17,50 +26,16 @@ from graphos_core.geometry.epipolar import (
 )
 from graphos_core.geometry.rays import rays_of
 from graphos_core.geometry.relative_orientation import RayPairs, relative_orientation
-from graphos_core.params import About, Params
+from graphos_core.params import About
 from graphos_core.registry import algorithm
 from graphos_core.run import Run
-from graphos_core.text import Text
-
-LESSON = "features/verification"
 
 SMALLEST_SAMPLE = {"essential": 5, "fundamental": 7}
 
 
-class UsacParams(Params):
+class UsacParams(VerificationParams):
     """Parameters of the robust estimation."""
 
-    threshold: Annotated[
-        float,
-        About(
-            label="Distance from the line",
-            symbol="d",
-            unit="px",
-            low=0.1,
-            high=50.0,
-            step=0.5,
-            help="Largest distance of a match from its epipolar line, in either photo, in pixels of the full photo. "
-            "It must leave room for the distortion, which is not known yet.",
-            effect="Higher: more matches, more wrong ones. Lower: with unknown distortion matches near the edges fail.",
-            learn=LESSON,
-            level="novice",
-        ),
-    ] = 4.0
-    minimum: Annotated[
-        int,
-        About(
-            label="Least matches",
-            symbol="n",
-            unit="matches",
-            low=8,
-            high=1000,
-            step=1,
-            help="A pair with fewer verified matches is not used.",
-            effect="Higher: doubtful pairs fall away. Lower: weakly overlapping photos stay connected.",
-            learn=LESSON,
-            level="student",
-        ),
-    ] = 15
     model: Annotated[
         Literal["auto", "essential", "fundamental"],
         About(
@@ -76,35 +51,6 @@ class UsacParams(Params):
             level="student",
         ),
     ] = "auto"
-    confidence: Annotated[
-        float,
-        About(
-            label="Confidence",
-            symbol="p",
-            low=0.5,
-            high=1.0,
-            high_open=True,
-            step=0.001,
-            help="Probability that at least one sample was free of wrong matches when the search ends.",
-            effect="Higher: more samples, slower, safer. Lower: faster.",
-            learn=LESSON,
-            level="expert",
-        ),
-    ] = 0.999
-    iterations: Annotated[
-        int,
-        About(
-            label="Largest number of samples",
-            unit="samples",
-            low=100,
-            high=1_000_000,
-            step=1000,
-            help="The search ends after so many samples in any case.",
-            effect="Higher: pairs with very many wrong matches can be found, slower. Lower: faster.",
-            learn=LESSON,
-            level="expert",
-        ),
-    ] = 10_000
 
 
 @algorithm(
@@ -113,6 +59,7 @@ class UsacParams(Params):
     name="usac",
     label="Robust epipolar geometry (MAGSAC++)",
     source="Raguram et al. 2013 (USAC); Barath et al. 2020 (MAGSAC++); Nistér 2004 (five-point solver)",
+    version=2,
     learn=LESSON,
 )
 def usac(
@@ -147,32 +94,28 @@ def usac(
     PairMatches
         With a reason and no matches where the pair cannot be used.
     """
-    reliable = not (cameras[0].focal_estimated or cameras[1].focal_estimated)
-    kind = params.model if params.model != "auto" else ("essential" if reliable else "fundamental")
-    wide = any(camera_model(camera.model).wide for camera in cameras)
-    if wide:
-        kind = "essential"
+    kind, wide = epipolar_kind(params.model, cameras)
     if len(candidates) < max(params.minimum, SMALLEST_SAMPLE[kind] + 1):
-        return _rejected(index, candidates, params, "candidate", len(candidates))
-    matches = candidates.matches
-    xy_a, xy_b = a.xy[matches[:, 0]].astype(np.float64), b.xy[matches[:, 1]].astype(np.float64)
+        return rejected(index, candidates, params, "candidate", len(candidates))
+    xy_a, xy_b = matched_positions(a, b, candidates)
     if wide:
         matrix, verified = _by_rays(index, xy_a, xy_b, cameras, params, run.seed)
     else:
         matrix, verified = _in_plane(kind, index, xy_a, xy_b, cameras, params, run.seed)
     if matrix is None:
-        return _rejected(index, candidates, params, "verified", 0)
+        return rejected(index, candidates, params, "verified", 0)
     if len(verified) < params.minimum:
-        return _rejected(index, candidates, params, "verified", len(verified))
+        return rejected(index, candidates, params, "verified", len(verified))
     return PairMatches(
         a=index[0],
         b=index[1],
-        matches=np.ascontiguousarray(matches[verified], dtype=np.int32),
+        matches=np.ascontiguousarray(candidates.matches[verified], dtype=np.int32),
         candidates=len(candidates),
         kind=kind,
         matrix=matrix,
         threshold_px=params.threshold,
         ratio=candidates.ratio[verified],
+        scene=pair_scene(kind, matrix, xy_a[verified], xy_b[verified], cameras, pair_seed(run.seed, index)),
     )
 
 
@@ -187,7 +130,7 @@ def _in_plane(
 ) -> tuple[Array | None, Array]:
     """Return the matrix of two central cameras, and the indices of the matches that fulfil it."""
     if kind == "essential":
-        xy_a, xy_b = _ideal_pixels(cameras[0], xy_a), _ideal_pixels(cameras[1], xy_b)
+        xy_a, xy_b = ideal_pixels(cameras[0], xy_a), ideal_pixels(cameras[1], xy_b)
     usable = np.flatnonzero(np.isfinite(xy_a).all(axis=1) & np.isfinite(xy_b).all(axis=1))
     matrix = _estimate(kind, xy_a[usable], xy_b[usable], cameras, _settings(index, params, seed))
     if matrix is None:
@@ -209,40 +152,12 @@ def _by_rays(
     a, b = rays_of(cameras[0], xy_a), rays_of(cameras[1], xy_b)
     usable = np.flatnonzero(a.valid & b.valid)
     pairs = RayPairs(a[usable], b[usable])
-    state = int(np.random.SeedSequence([seed, *index]).generate_state(1)[0] & 0x7FFFFFFF)
-    found = relative_orientation(pairs.a, pairs.b, params.threshold, seed=state)
+    found = relative_orientation(pairs.a, pairs.b, params.threshold, seed=pair_seed(seed, index))
     if not found:
         return None, usable
     essential = essential_from_relative(found.rotation, found.translation)
     distance = pairs.line_distances(essential)
     return essential / np.linalg.norm(essential), usable[distance <= params.threshold]
-
-
-def _rejected(
-    index: tuple[int, int], candidates: Candidates, params: UsacParams, what: str, n: int
-) -> PairMatches:
-    template = (
-        "only {count} candidate matches, {needed} needed"
-        if what == "candidate"
-        else "only {count} verified matches of {candidates}, {needed} needed"
-    )
-    return PairMatches(
-        a=index[0],
-        b=index[1],
-        matches=np.zeros((0, 2), np.int32),
-        candidates=len(candidates),
-        kind="none",
-        matrix=np.zeros((3, 3)),
-        threshold_px=params.threshold,
-        reason=Text(template, count=n, needed=params.minimum, candidates=len(candidates)),
-    )
-
-
-def _ideal_pixels(camera: Camera, xy: Array) -> Array:
-    """Where the points would be without distortion, px; NaN where the distortion cannot be inverted."""
-    if not np.any(camera.values[3:]):
-        return xy
-    return np.asarray(ray_from_pixel(camera, xy)[:, :2] * camera.values[0] + camera.values[1:3])
 
 
 def _settings(index: tuple[int, int], params: UsacParams, seed: int) -> Any:
@@ -258,8 +173,7 @@ def _settings(index: tuple[int, int], params: UsacParams, seed: int) -> Any:
     settings.loSampleSize = 50
     settings.final_polisher = cv2.MAGSAC
     settings.final_polisher_iterations = 3
-    state = np.random.SeedSequence([seed, *index]).generate_state(1)[0]
-    settings.randomGeneratorState = int(state & 0x7FFFFFFF)
+    settings.randomGeneratorState = pair_seed(seed, index)
     return settings
 
 

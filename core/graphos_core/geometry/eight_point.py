@@ -73,17 +73,19 @@ def longuet_higgins(a: Array, b: Array) -> EightPoint:
     return EightPoint(np.zeros((3, 3)) if reason else essential, linear, singular, reason)
 
 
-def eight_point_fundamental(xy_a: Array, xy_b: Array) -> EightPoint:
+def eight_point_fundamental(xy_a: Array, xy_b: Array, weights: Array | None = None) -> EightPoint:
     """Return the fundamental matrix of eight or more pairs of pixels (Hartley 1997, normalised eight points).
 
     Parameters
     ----------
     xy_a, xy_b : float64 (n, 2)
         Corresponding distortion-free pixels.
+    weights : float64 (n,), optional
+        Of the squared algebraic residuals.
     """
     a, from_a = normalise(xy_a)
     b, from_b = normalise(xy_b)
-    linear, singular, reason = _linear(a, b)
+    linear, singular, reason = _linear(a, b, weights)
     u, s, vt = np.linalg.svd(linear)
     constrained = from_b.T @ ((u * [s[0], s[1], 0.0]) @ vt) @ from_a
     raw = from_b.T @ linear @ from_a
@@ -91,11 +93,13 @@ def eight_point_fundamental(xy_a: Array, xy_b: Array) -> EightPoint:
     return EightPoint(np.zeros((3, 3)) if reason else unit, raw / np.linalg.norm(raw), singular, reason)
 
 
-def _linear(a: Array, b: Array) -> tuple[Array, Array, str]:
+def _linear(a: Array, b: Array, weights: Array | None = None) -> tuple[Array, Array, str]:
     """Return the matrix (3, 3) of ``b_iᵀ M a_i = 0``, the singular values, and why it is not determined."""
     if len(a) < 8:
         return np.eye(3), np.full(9, np.nan), Text("only {count} pairs of points, 8 needed", count=len(a))
     rows = (b[:, :, None] * a[:, None, :]).reshape(len(a), 9)
+    if weights is not None:
+        rows = rows * np.sqrt(weights)[:, None]
     solution, singular = null_vector(rows)
     reason = ""
     if singular[-2] < max(1e-9 * singular[0], 2.0 * singular[-1]):

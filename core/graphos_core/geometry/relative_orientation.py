@@ -126,7 +126,7 @@ def relative_orientation(
             inliers = _agreeing(rotation, translation, pairs, threshold)
             if inliers.sum() < 6:
                 break
-            rotation, translation = _refine(rotation, translation, pairs[inliers])
+            rotation, translation = refined(rotation, translation, pairs[inliers])
         inliers = _agreeing(rotation, translation, pairs, threshold)
         agreeing, most = int(inliers.sum()), int(best.inliers.sum())
         cost = float((pairs.sampson(skew(translation) @ rotation)[inliers] ** 2).sum())
@@ -147,7 +147,7 @@ def _candidates(pairs: RayPairs, threshold: float, seed: int) -> list[tuple[Arra
         central_essential(pairs, threshold, seed) if central else ray_essential(pairs, threshold, seed)
     )
     if essential is not None:
-        found.append(_in_front(decompose_essential(essential), pairs, threshold))
+        found.append(in_front(decompose_essential(essential), pairs, threshold))
     plane = (
         _central_homography(pairs, threshold, seed) if central else _ray_homography(pairs, threshold, seed)
     )
@@ -287,19 +287,25 @@ def _agreeing(rotation: Array, translation: Array, pairs: RayPairs, threshold: f
     return (np.abs(pairs.sampson(skew(translation) @ rotation)) <= threshold) & (za > 0) & (zb > 0)
 
 
-def _in_front(choices: list[tuple[Array, Array]], pairs: RayPairs, threshold: float) -> tuple[Array, Array]:
-    """Choose the one of four decompositions that puts most agreeing points before both cameras."""
+def in_front(choices: list[tuple[Array, Array]], pairs: RayPairs, threshold: float) -> tuple[Array, Array]:
+    """Choose the decomposition (rotation, translation) that puts most agreeing points before both cameras."""
     votes = [int(_agreeing(r, t, pairs, threshold).sum()) for r, t in choices]
     return choices[int(np.argmax(votes))]
 
 
-def _refine(rotation: Array, translation: Array, pairs: RayPairs, steps: int = 10) -> tuple[Array, Array]:
-    """Minimise the sum of squared Sampson distances over rotation (3) and direction (2)."""
+def refined(
+    rotation: Array, translation: Array, pairs: RayPairs, steps: int = 10, weights: Array | None = None
+) -> tuple[Array, Array]:
+    """Minimise the (weighted) sum of squared Sampson distances over rotation (3) and direction (2).
+
+    Gauss–Newton from a start ``b_from_a``, with the translation of length 1; weights are of the squares, (n,).
+    """
     (ya, _), (yb, _) = pairs.tips
-    cost = float((pairs.sampson(skew(translation) @ rotation) ** 2).sum())
+    share = np.ones(len(ya)) if weights is None else np.asarray(weights, dtype=np.float64)
+    cost = float((share * pairs.sampson(skew(translation) @ rotation) ** 2).sum())
     for _ in range(steps):
         _, in_a, in_b = pairs.line_gradients(skew(translation) @ rotation)
-        weight = 1.0 / np.sqrt((in_a**2).sum(axis=1) + (in_b**2).sum(axis=1))
+        weight = np.sqrt(share) / np.sqrt((in_a**2).sum(axis=1) + (in_b**2).sum(axis=1))
         p = ya @ rotation.T
         normal = np.cross(p, yb)  # e = t · (R y_a × y_b)
         tangent = np.linalg.svd(translation[None])[2][1:]
@@ -308,7 +314,7 @@ def _refine(rotation: Array, translation: Array, pairs: RayPairs, steps: int = 1
         new_rotation = matrix_from_vector(step[:3]) @ rotation
         new_translation = translation + step[3:] @ tangent
         new_translation /= np.linalg.norm(new_translation)
-        new_cost = float((pairs.sampson(skew(new_translation) @ new_rotation) ** 2).sum())
+        new_cost = float((share * pairs.sampson(skew(new_translation) @ new_rotation) ** 2).sum())
         if not new_cost < cost:
             break
         rotation, translation, gain, cost = new_rotation, new_translation, cost - new_cost, new_cost

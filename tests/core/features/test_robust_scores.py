@@ -68,3 +68,10 @@ def test_robust_sigma_finds_the_noise_among_forty_per_cent_of_outliers() -> None
     mixed = np.r_[clean, rng.uniform(50, 100, 4000)]
     # the median of the mixture is the 5/6 quantile of the good ones: LMedS overestimates, but stays of their size
     assert robust_sigma(mixed**2, 7) == pytest.approx(0.7 * 1.4826 * norm.ppf(0.5 + 5 / 12), rel=0.05)
+
+
+def test_the_tabulated_cost_is_the_loss() -> None:
+    squares = np.random.default_rng(2).uniform(0, 1.3 * THRESHOLD, 500) ** 2
+    assert COSTS["magsac"](squares, THRESHOLD) == pytest.approx(
+        magsac_loss(squares, THRESHOLD).sum(), abs=1e-4
+    )
