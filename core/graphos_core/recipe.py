@@ -38,7 +38,7 @@ DEFAULTS: Mapping[str, Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "preprocessing": {"analysis": ("analyser",), "undistortion": ("as_taken",), "filter": ()},
         "features": {
             "detector": ("sift",),
-            "pairs": ("all",),
+            "pairs": ("multiscale",),
             "matcher": ("mutual",),
             "verification": ("usac",),
             "thinning": ("every",),

@@ -146,7 +146,10 @@ class Verification(Protocol):
 
 
 class Thinning(Protocol):
-    """Verified matches of a pair to those that are kept; `ratio` and `matches` stay parallel."""
+    """Verified matches of a pair to those that are kept; `ratio` and `matches` stay parallel.
+
+    An algorithm that has the keyword ``cameras: tuple[Camera, Camera] | None`` is also handed the cameras of the pair.
+    """
 
     def __call__(
         self, pair: PairMatches, a: Features, b: Features, params: Any, *, run: Run

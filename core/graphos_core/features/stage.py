@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -128,16 +129,21 @@ def _match_pair(
     run: Run,
 ) -> PairMatches:
     a, b = features[index[0]], features[index[1]]
+    both = (cameras[index[0]], cameras[index[1]])
     run.check()
     candidates = matcher[0].function(a, b, matcher[1], run=run)
     run.check()
-    verified: PairMatches = verification[0].function(
-        index, a, b, candidates, (cameras[index[0]], cameras[index[1]]), verification[1], run=run
-    )
+    verified: PairMatches = verification[0].function(index, a, b, candidates, both, verification[1], run=run)
     steps = (*candidates.steps, ("verified", len(verified.matches)))
     if thinning is not None and not verified.reason:
-        verified = thinning[0].function(verified, a, b, thinning[1], run=run)
+        more = {"cameras": both} if _takes(thinning[0], "cameras") else {}
+        verified = thinning[0].function(verified, a, b, thinning[1], run=run, **more)
         steps = (*steps, ("kept", len(verified.matches)))
     verified = replace(verified, steps=steps)
     run.show("pair", verified)
     return verified
+
+
+def _takes(algorithm: Algorithm, keyword: str) -> bool:
+    """Say whether an algorithm's function has a keyword."""
+    return keyword in inspect.signature(algorithm.function).parameters

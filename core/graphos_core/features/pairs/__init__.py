@@ -1,0 +1,1 @@
+"""Ways to choose the pairs of photos that are matched, one per file."""
