@@ -3,6 +3,7 @@ r"""Contrast-preserving decolourisation: grey in which colours that differ stay 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Annotated
 
 import cv2
@@ -12,6 +13,8 @@ from graphos_core.data import Array
 from graphos_core.params import About, Params
 from graphos_core.preprocessing.grey import eight_bit
 from graphos_core.preprocessing.kernels import normal_matrix, polynomial_grey, signed_sum
+from graphos_core.preprocessing.luminance import Levels, levels_of
+from graphos_core.preprocessing.parts import Place, partwise
 from graphos_core.registry import algorithm
 from graphos_core.run import Run
 
@@ -19,6 +22,9 @@ LESSON = "preprocessing/decolorization"
 
 LAB_RANGE = 100.0
 """Colour differences are divided by the range of L, so that they compare with grey differences of 0 to 1."""
+
+RANGE_PIXELS = 1_000_000
+"""The range of the result is taken from at most about so many pixels, regularly spaced."""
 
 START = np.array([1 / 3, 1 / 3, 1 / 3, 0, 0, 0, 0, 0, 0])
 """The mean of the channels."""
@@ -86,6 +92,51 @@ class DecolorParams(Params):
     ] = 0.1
 
 
+@dataclass(frozen=True)
+class Mapping:
+    """What decolourisation must know of the whole photo.
+
+    Attributes
+    ----------
+    levels : (int, int) or None
+        Values of a 16-bit photo that become 0 and 255.
+    weights : float32 (9,)
+        Of the monomials; empty for a grey photo.
+    low, high : float
+        Values of the polynomial that become 0 and 255.
+    """
+
+    levels: Levels
+    weights: Array
+    low: float
+    high: float
+
+
+def _learn(image: Array, params: DecolorParams, run: Run) -> Mapping:
+    levels = levels_of(image)
+    if image.ndim == 2:
+        return Mapping(levels, np.zeros(0, np.float32), 0.0, 255.0)
+    image = eight_bit(image, levels)
+    weights = fit_weights(image, params, run).astype(np.float32)
+    step = max(1, math.isqrt(image.shape[0] * image.shape[1] // RANGE_PIXELS))
+    grey = polynomial_grey(np.ascontiguousarray(image[::step, ::step]), weights)
+    low, high = np.percentile(grey, (params.clip, 100.0 - params.clip))
+    return Mapping(levels, weights, float(low), float(high))
+
+
+def _apply(image: Array, params: DecolorParams, mapping: Mapping, place: Place) -> Array:
+    image = eight_bit(image, mapping.levels)
+    if image.ndim == 2:
+        return image
+    if mapping.high - mapping.low < 1e-6:
+        return cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
+    grey = polynomial_grey(np.ascontiguousarray(image), mapping.weights)
+    scale = 255.0 / (mapping.high - mapping.low)
+    return cv2.convertScaleAbs(
+        np.maximum(grey, np.float32(mapping.low)), alpha=scale, beta=-mapping.low * scale
+    )
+
+
 @algorithm(
     stage="preprocessing",
     role="filter",
@@ -94,6 +145,7 @@ class DecolorParams(Params):
     source="Lu, Xu, Jia 2012, Contrast preserving decolorization (ICCP), sections 2 and 3",
     learn=LESSON,
 )
+@partwise(learn=_learn, apply=_apply)
 def decolor(image: Array, params: DecolorParams, *, run: Run) -> Array:
     """Map colour to grey by the polynomial of second degree that best keeps the differences of neighbours.
 
@@ -109,16 +161,7 @@ def decolor(image: Array, params: DecolorParams, *, run: Run) -> Array:
     -------
     uint8 (h, w)
     """
-    image = eight_bit(image)
-    if image.ndim == 2:
-        return image
-    weights = fit_weights(image, params, run)
-    grey = polynomial_grey(np.ascontiguousarray(image), weights.astype(np.float32))
-    low, high = _range(grey, params.clip)
-    if high - low < 1e-6:
-        return cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
-    scale = 255.0 / (high - low)
-    return cv2.convertScaleAbs(np.maximum(grey, np.float32(low)), alpha=scale, beta=-low * scale)
+    return _apply(image, params, _learn(image, params, run), Place.whole(image))
 
 
 def fit_weights(image: Array, params: DecolorParams, run: Run) -> Array:
@@ -183,10 +226,3 @@ def _neighbours(values: Array) -> Array:
     right = (values[:, 1:] - values[:, :-1]).reshape(-1, values.shape[2])
     below = (values[1:] - values[:-1]).reshape(-1, values.shape[2])
     return np.concatenate([right, below])
-
-
-def _range(grey: Array, clip: float) -> tuple[float, float]:
-    """Values between which the result is stretched; large images are sampled regularly."""
-    step = max(1, int(math.sqrt(grey.size / 1_000_000)))
-    low, high = np.percentile(grey[::step, ::step], (clip, 100.0 - clip))
-    return float(low), float(high)

@@ -9,6 +9,7 @@ import numpy as np
 
 from graphos_core.data import Array
 from graphos_core.params import About, Params
+from graphos_core.preprocessing.parts import Place, partwise
 from graphos_core.registry import algorithm
 from graphos_core.run import Run
 
@@ -41,6 +42,21 @@ class GreyParams(Params):
     ] = "luma"
 
 
+def _learn(image: Array, params: GreyParams, run: Run) -> tuple[int, int] | None:
+    return stretch_range(image) if image.dtype == np.uint16 else None
+
+
+def _apply(image: Array, params: GreyParams, levels: tuple[int, int] | None, place: Place) -> Array:
+    image = eight_bit(image, levels)
+    if image.ndim == 2:
+        return image
+    if params.weights == "luma":
+        return luma(image)
+    if params.weights == "mean":
+        return cv2.transform(image, np.full((1, 3), 1.0 / 3.0, np.float32))
+    return np.ascontiguousarray(image[:, :, ("red", "green", "blue").index(params.weights)])
+
+
 @algorithm(
     stage="preprocessing",
     role="filter",
@@ -49,6 +65,7 @@ class GreyParams(Params):
     source="ITU-R BT.601, section 2.5.1 (luma)",
     learn=LESSON,
 )
+@partwise(learn=_learn, apply=_apply, local=True)
 def grey(image: Array, params: GreyParams, *, run: Run) -> Array:
     """Weigh the channels into one grey value.
 
@@ -64,14 +81,7 @@ def grey(image: Array, params: GreyParams, *, run: Run) -> Array:
     -------
     uint8 (h, w)
     """
-    image = eight_bit(image)
-    if image.ndim == 2:
-        return image
-    if params.weights == "luma":
-        return luma(image)
-    if params.weights == "mean":
-        return cv2.transform(image, np.full((1, 3), 1.0 / 3.0, np.float32))
-    return np.ascontiguousarray(image[:, :, ("red", "green", "blue").index(params.weights)])
+    return _apply(image, params, _learn(image, params, run), Place.whole(image))
 
 
 def luma(image: Array) -> Array:
@@ -79,7 +89,7 @@ def luma(image: Array) -> Array:
     return image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
 
 
-def eight_bit(image: Array) -> Array:
+def eight_bit(image: Array, levels: tuple[int, int] | None = None) -> Array:
     """Return 8-bit pixels; 16 bit is stretched so that its 0.1 % and 99.9 % quantiles become 0 and 255.
 
     The quantiles are of all channels together, so colours keep their hue. 8 bit is returned as it is.
@@ -87,10 +97,12 @@ def eight_bit(image: Array) -> Array:
     Parameters
     ----------
     image : uint8 or uint16 (h, w) or (h, w, 3)
+    levels : (int, int), optional
+        The values that become 0 and 255 instead, where `image` is a piece of a larger photo.
     """
     if image.dtype == np.uint8:
         return image
-    low, high = stretch_range(image)
+    low, high = stretch_range(image) if levels is None else levels
     table = np.clip(np.rint((np.arange(65536.0) - low) * (255.0 / (high - low))), 0, 255).astype(np.uint8)
     return table[image]
 

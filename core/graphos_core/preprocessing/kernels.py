@@ -9,6 +9,15 @@ from graphos_core.data import Array
 
 
 @njit(cache=True, nogil=True)
+def wallis_gain(variance: float, targets: Array) -> float:
+    """Return the factor by which the Wallis filter lifts the contrast of a window; arguments as in `wallis_value`."""
+    one = np.float32(1.0)
+    spread = max(np.sqrt(max(variance, np.float32(0.0))), one)  # type: ignore[call-overload]
+    gain = targets[2] * targets[1] / (targets[2] * spread + (one - targets[2]) * targets[1])
+    return min(max(gain, targets[4]), targets[5])
+
+
+@njit(cache=True, nogil=True)
 def wallis_value(value: float, mean: float, variance: float, targets: Array) -> float:
     """Return the Wallis filter's value of one pixel.
 
@@ -16,13 +25,72 @@ def wallis_value(value: float, mean: float, variance: float, targets: Array) -> 
     ----------
     value, mean, variance : float
         Grey value of the pixel, mean and variance of its window.
-    targets : float32 (4,)
-        Target mean, target standard deviation, contrast weight c, brightness weight b.
+    targets : float32 (6,)
+        Target mean, target standard deviation, contrast weight c, brightness weight b, least and largest gain.
     """
     one = np.float32(1.0)
-    spread = max(np.sqrt(max(variance, np.float32(0.0))), one)  # type: ignore[call-overload]
-    gain = targets[2] * targets[1] / (targets[2] * spread + (one - targets[2]) * targets[1])
+    gain = wallis_gain(variance, targets)
     return gain * (value - mean) + targets[3] * targets[0] + (one - targets[3]) * mean
+
+
+@njit(cache=True, nogil=True)
+def node_values(mean: Array, variance: Array, targets: Array) -> tuple[Array, Array]:
+    """Return gain and shift of ``g' = gain · g + shift`` at nodes, float32 (r, c), from their windows' statistics."""
+    gain = np.empty_like(mean)
+    shift = np.empty_like(mean)
+    one = np.float32(1.0)
+    for i in range(mean.shape[0]):
+        for j in range(mean.shape[1]):
+            gain[i, j] = wallis_gain(variance[i, j], targets)
+            shift[i, j] = targets[3] * targets[0] + (one - targets[3] - gain[i, j]) * mean[i, j]
+    return gain, shift
+
+
+@njit(cache=True, nogil=True)
+def wallis_nodes(
+    image: Array,
+    gain: Array,
+    shift: Array,
+    first_row: Array,
+    row_weight: Array,
+    first_column: Array,
+    column_weight: Array,
+    low: float,
+    scale: float,
+) -> Array:
+    """Filter an image with gain and shift interpolated bilinearly between nodes: ``g' = gain · g + shift``.
+
+    Parameters
+    ----------
+    image : uint8 or uint16 (h, w)
+    gain, shift : float32 (r, c)
+        At the nodes.
+    first_row, first_column : int64 (h,), (w,)
+        Node above or left of each pixel; the next node is the other.
+    row_weight, column_weight : float32 (h,), (w,)
+        Weight of the other node.
+    low, scale : float32
+        Grey level is ``(value − low) · scale``.
+    """
+    height, width = image.shape
+    out = np.empty((height, width), np.uint8)
+    one = np.float32(1.0)
+    half = np.float32(0.5)
+    for i in range(height):
+        r, v = first_row[i], row_weight[i]
+        s = min(r + 1, gain.shape[0] - 1)
+        for j in range(width):
+            c, u = first_column[j], column_weight[j]
+            d = min(c + 1, gain.shape[1] - 1)
+            g = (gain[r, c] * (one - u) + gain[r, d] * u) * (one - v) + (
+                gain[s, c] * (one - u) + gain[s, d] * u
+            ) * v
+            b = (shift[r, c] * (one - u) + shift[r, d] * u) * (one - v) + (
+                shift[s, c] * (one - u) + shift[s, d] * u
+            ) * v
+            value = g * ((np.float32(image[i, j]) - low) * scale) + b + half
+            out[i, j] = np.uint8(min(max(value, np.float32(0.0)), np.float32(255.0)))
+    return out
 
 
 @njit(cache=True, nogil=True)
@@ -37,7 +105,7 @@ def wallis_rows(image: Array, rows: Array, columns: Array, low: float, scale: fl
         or left of the image; the last is never used.
     low, scale : float32
         Grey level is ``(value − low) · scale``.
-    targets : float32 (4,)
+    targets : float32 (6,)
         As in `wallis_value`.
     """
     height, width = image.shape

@@ -9,7 +9,8 @@ import numpy as np
 from graphos_core.data import Array
 from graphos_core.params import About, Params
 from graphos_core.preprocessing.grey import luma, stretch_range
-from graphos_core.preprocessing.kernels import statistics_rows, wallis_rows
+from graphos_core.preprocessing.kernels import node_values, statistics_rows, wallis_nodes, wallis_rows
+from graphos_core.preprocessing.parts import Place, odd_window, partwise
 from graphos_core.registry import algorithm
 from graphos_core.run import Run
 
@@ -93,6 +94,94 @@ class WallisParams(Params):
             level="student",
         ),
     ] = 0.9
+    minimum_gain: Annotated[
+        float,
+        About(
+            label="Least gain",
+            symbol="r_{min}",
+            low=0.0,
+            high=10.0,
+            step=0.1,
+            help="The contrast of a neighbourhood is multiplied by at least this.",
+            effect="Higher: strong contrast is not reduced (1), or even raised. 0: it is pulled to its target.",
+            learn=LESSON,
+            level="expert",
+        ),
+    ] = 0.0
+    maximum_gain: Annotated[
+        float | None,
+        About(
+            label="Largest gain",
+            symbol="r_{max}",
+            low=0.1,
+            high=1000.0,
+            step=1.0,
+            help="The contrast of a neighbourhood is multiplied by at most this; automatic: c / (1 − c), as the "
+            "formula has it for a window without contrast.",
+            effect="Higher: weak texture is lifted more, and noise. Lower: plain areas stay plain.",
+            learn=LESSON,
+            level="expert",
+        ),
+    ] = None
+    spacing: Annotated[
+        int,
+        About(
+            label="Grid",
+            symbol="d",
+            unit="px",
+            low=1,
+            high=500,
+            step=1,
+            help="Gain and shift are computed at every d-th pixel and interpolated bilinearly between; 1 is every pixel.",
+            effect="Higher: as older programs work with blocks, slightly less local. 1: exact at every pixel.",
+            learn=LESSON,
+            level="expert",
+        ),
+    ] = 1
+
+
+Levels = tuple[np.float32, np.float32]
+"""Low and scale of ``level = (value − low) · scale``."""
+
+
+def _learn(image: Array, params: WallisParams, run: Run) -> Levels:
+    return _levels(luma(image))
+
+
+def _apply(image: Array, params: WallisParams, levels: Levels, place: Place) -> Array:
+    grey = np.ascontiguousarray(luma(image))
+    rows, columns = mirrored(grey.shape, params.window)
+    if params.spacing == 1:
+        return wallis_rows(grey, rows, columns, *levels, targets_of(params))
+    mean, variance = statistics_rows(grey, rows, columns, *levels)
+    y, first_row, row_weight = _nodes(place.top, grey.shape[0], params.spacing)
+    x, first_column, column_weight = _nodes(place.left, grey.shape[1], params.spacing)
+    mean, variance = mean[np.ix_(y, x)], variance[np.ix_(y, x)]
+    gain, shift = node_values(mean, variance, targets_of(params))
+    return wallis_nodes(grey, gain, shift, first_row, row_weight, first_column, column_weight, *levels)
+
+
+def _nodes(start: int, length: int, spacing: int) -> tuple[Array, Array, Array]:
+    """Pixels of a piece that are nodes, and for each pixel the node before it and the weight of the one after.
+
+    Nodes are the multiples of the spacing in the whole photo, and the first and last pixel of the piece.
+    """
+    nodes = np.arange(-(-start // spacing) * spacing, start + length, spacing) - start
+    nodes = np.unique(np.concatenate([[0], nodes, [length - 1]]))
+    pixels = np.arange(length)
+    before = np.minimum(np.searchsorted(nodes, pixels, side="right") - 1, max(len(nodes) - 2, 0))
+    after = np.minimum(before + 1, len(nodes) - 1)
+    span = np.maximum(nodes[after] - nodes[before], 1)
+    return nodes, before, ((pixels - nodes[before]) / span).astype(np.float32)
+
+
+def _margin(params: WallisParams) -> int:
+    return params.window // 2 + (params.spacing if params.spacing > 1 else 0)
+
+
+def _reduced(params: WallisParams, factor: float) -> WallisParams:
+    spacing = max(1, round(params.spacing / factor))
+    return params.replace(window=odd_window(params.window, factor), spacing=spacing)
 
 
 @algorithm(
@@ -101,9 +190,11 @@ class WallisParams(Params):
     name="wallis",
     label="Wallis filter",
     source="Wallis 1976, An approach to the space variant restoration and enhancement of images; "
-    "in the form of Baltsavias 1991, Multiphoto geometrically constrained matching",
+    "in the form of Baltsavias 1991, Multiphoto geometrically constrained matching; "
+    "limits of the gain: Pratt 2007, Digital Image Processing, section 10.5",
     learn=LESSON,
 )
+@partwise(learn=_learn, apply=_apply, margin=_margin, reduced=_reduced, local=True)
 def wallis(image: Array, params: WallisParams, *, run: Run) -> Array:
     r"""Pull the mean and the standard deviation of every neighbourhood towards target values.
 
@@ -114,7 +205,9 @@ def wallis(image: Array, params: WallisParams, *, run: Run) -> Array:
         r_1 = \frac{c\,s_t}{c\,s + (1 - c)\,s_t}
 
     For c = b = 1 the window gets exactly m_t and s_t; for c = ½ the gain is s_t / (s + s_t). The gain of a window
-    without contrast is limited to s_t (as for s = 1 grey level). Colour is made grey first; 16 bit is scaled, not
+    without contrast is limited to s_t (as for s = 1 grey level), to c / (1 − c) by the formula itself (the largest gain
+    A of Pratt's form ``A s_t / (A s + s_t)``), and to the limits given. With a grid, r₁ and ``b m_t + (1 − b − r₁) m``
+    are computed at its nodes and interpolated bilinearly, as programs do that work block by block. Colour is made grey first; 16 bit is scaled, not
     rounded, to 0 … 255 before; the image is mirrored at its border.
 
     Parameters
@@ -127,12 +220,14 @@ def wallis(image: Array, params: WallisParams, *, run: Run) -> Array:
     -------
     uint8 (h, w)
     """
-    grey, low, scale = _levels(image)
-    rows, columns = _mirrored(grey.shape, params.window)
-    targets = np.array(
-        [params.target_mean, params.target_std, params.contrast, params.brightness], dtype=np.float32
-    )
-    return wallis_rows(grey, rows, columns, low, scale, targets)
+    return _apply(image, params, _learn(image, params, run), Place.whole(image))
+
+
+def targets_of(params: WallisParams) -> Array:
+    """Return the filter's numbers as its kernels take them, float32 (6,)."""
+    largest = np.inf if params.maximum_gain is None else params.maximum_gain
+    numbers = [params.target_mean, params.target_std, params.contrast, params.brightness]
+    return np.array([*numbers, params.minimum_gain, max(largest, params.minimum_gain)], dtype=np.float32)
 
 
 def local_statistics(image: Array, window: int) -> tuple[Array, Array]:
@@ -149,21 +244,19 @@ def local_statistics(image: Array, window: int) -> tuple[Array, Array]:
     mean, std : float32 (h, w)
         Grey levels; the variance is that of the window's pixels (divided by their number).
     """
-    grey, low, scale = _levels(image)
-    mean, variance = statistics_rows(grey, *_mirrored(grey.shape, window), low, scale)
+    grey = np.ascontiguousarray(luma(image))
+    mean, variance = statistics_rows(grey, *mirrored(grey.shape, window), *_levels(grey))
     return mean, np.sqrt(np.maximum(variance, 0.0))
 
 
-def _levels(image: Array) -> tuple[Array, np.float32, np.float32]:
-    """Grey image with the low and scale of ``level = (value − low) · scale``."""
-    grey = np.ascontiguousarray(luma(image))
+def _levels(grey: Array) -> Levels:
     if grey.dtype == np.uint8:
-        return grey, np.float32(0.0), np.float32(1.0)
+        return np.float32(0.0), np.float32(1.0)
     low, high = stretch_range(grey)
-    return grey, np.float32(low), np.float32(255.0 / (high - low))
+    return np.float32(low), np.float32(255.0 / (high - low))
 
 
-def _mirrored(shape: tuple[int, ...], window: int) -> tuple[Array, Array]:
+def mirrored(shape: tuple[int, ...], window: int) -> tuple[Array, Array]:
     """For rows and columns, the indices of the image continued by mirroring about the edge pixels."""
     half = window // 2
     found = []

@@ -249,6 +249,6 @@ def grey_levels(image: Array) -> Array:
 def filtered_value(params: WallisSimulatorParams, grey: float, mean: float, std: float) -> float:
     """Return the engine's filter for one grey value in a window of given mean and standard deviation."""
     p = params
-    targets = np.array([p.target_mean, p.target_std, p.contrast, p.brightness], dtype=np.float32)
+    targets = np.array([p.target_mean, p.target_std, p.contrast, p.brightness, 0.0, np.inf], dtype=np.float32)
     single = np.float32
     return float(wallis_value(single(grey), single(mean), single(std) * single(std), targets))
