@@ -85,3 +85,34 @@ def test_every_parameter_says_what_both_directions_do() -> None:
         for declaration in algorithm.params.declarations().values():
             about = declaration.about
             assert about.help.endswith(".") and about.effect.endswith(".") and about.learn, declaration.name
+
+
+def test_the_gain_stays_between_its_limits() -> None:
+    image = scene()
+    _, mean, std = plain_twin(image, WallisParams(window=15))
+    params = WallisParams(window=15, minimum_gain=1.8, maximum_gain=2.4)
+    c, b = params.contrast, params.brightness
+    free = c * params.target_std / (c * np.maximum(std, 1.0) + (1 - c) * params.target_std)
+    assert free.min() < 1.8 and free.max() > 2.4
+    value = np.clip(free, 1.8, 2.4) * (image - mean) + b * params.target_mean + (1 - b) * mean
+    assert np.abs(wallis(image, params, run=RUN) - np.clip(value, 0, 255)).max() <= 0.501
+
+
+def test_between_the_nodes_of_a_grid_gain_and_shift_are_interpolated() -> None:
+    image = scene(60, 80)
+    params = WallisParams(window=15, spacing=10)
+    _, mean, std = plain_twin(image, WallisParams(window=15))
+    c, b = params.contrast, params.brightness
+    gain = c * params.target_std / (c * np.maximum(std, 1.0) + (1 - c) * params.target_std)
+    shift = b * params.target_mean + (1 - b - gain) * mean
+    made = wallis(image, params, run=RUN).astype(float)
+    for y, x in ((20, 33), (27, 41), (30, 50), (5, 5)):
+        r, s, v = y // 10 * 10, min(y // 10 * 10 + 10, 59), y % 10 / 10
+        p, q, u = x // 10 * 10, min(x // 10 * 10 + 10, 79), x % 10 / 10
+        both = [
+            (f[r, p] * (1 - u) + f[r, q] * u) * (1 - v) + (f[s, p] * (1 - u) + f[s, q] * u) * v
+            for f in (gain, shift)
+        ]
+        assert abs(made[y, x] - np.clip(both[0] * image[y, x] + both[1], 0, 255)) <= 0.51
+    near = np.abs(made - wallis(image, WallisParams(window=15), run=RUN)).mean()
+    assert 0 < near < 12
