@@ -101,7 +101,7 @@ def _learn(image: Array, params: StretchParams, run: Run) -> StretchChoice:
 def _apply(image: Array, params: StretchParams, choice: StretchChoice, place: Place) -> Array:
     if choice.high <= choice.low:
         return np.full(image.shape[:2], 127, np.uint8)
-    values = one_band(image).astype(np.float32)
+    values: Array = one_band(image).astype(np.float32)
     if choice.blur:
         side = 2 * math.ceil(4.0 * choice.blur) + 1
         values = cv2.GaussianBlur(values, (side, side), choice.blur, borderType=cv2.BORDER_REFLECT_101)
