@@ -81,6 +81,12 @@ def test_the_point_keeps_its_search_area_inside() -> None:
             assert seen.reach <= row < rows - seen.reach
 
 
+def test_a_narrow_photo_still_holds_the_search_area() -> None:
+    narrow = np.random.default_rng(0).integers(0, 255, (3000, 20, 3)).astype(np.uint8)
+    params = SelfDissimilarityParams(picture="photo", level=5, search=14, patch=7)
+    assert Compared(params, Setting(narrow, "narrow")).dissimilarity > 0
+
+
 def test_the_prediction_depends_on_the_picture() -> None:
     answer = PREDICTION.answer
     assert answer(SelfDissimilarityParams(), Setting()) == 2

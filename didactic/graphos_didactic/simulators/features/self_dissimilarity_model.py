@@ -58,11 +58,12 @@ class Compared:
 
     @cached_property
     def image(self) -> Array:
-        """The level looked at, uint8 (h, w)."""
+        """The level looked at, or the smallest that holds the search area, uint8 (h, w)."""
         levels: list[Array] = _kept.get(
             "levels", (self.grey,), lambda: pyramid(self.grey, FACTOR, MOST_LEVELS)
         )
-        return levels[min(self.params.level, len(levels) - 1)]
+        large = [image for image in levels if min(image.shape) > 2 * self.reach]
+        return large[min(self.params.level, len(large) - 1)]
 
     @property
     def pixel(self) -> tuple[float, float]:
