@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from graphos_core import registry
+from graphos_core.adjustment.orientation.groups import listed
 from graphos_core.data import Block
 from graphos_core.errors import UserError
 from graphos_core.images import told_remarks
@@ -106,11 +107,22 @@ def run_pipeline(pipeline: Pipeline, until: Stage, progress: Run) -> Path:
             line = pipeline.state(stage).line
             seconds = "from an earlier run" if known else f"{time.perf_counter() - started:.1f} s"
             progress.say(f"{stage:14} {line}  ({seconds})")
+            if stage == "adjustment":
+                _tell_left_out(pipeline.value("adjustment").adjustment.block, progress)
     except UserError:
         if pipeline.result("features") is not None:
             write_outputs(pipeline, made)
         raise
     return write_outputs(pipeline, made)
+
+
+def _tell_left_out(block: Block, progress: Run) -> None:
+    """Name the photos that could not be oriented, each reason once."""
+    reasons: dict[str, list[str]] = {}
+    for failure in block.failures:
+        reasons.setdefault(failure.reason, []).append(failure.item)
+    for reason, names in reasons.items():
+        progress.say(Text("Not oriented: {names}. {reason}", names=listed(names), reason=reason))
 
 
 def _recipe(options: argparse.Namespace) -> Recipe:

@@ -13,7 +13,7 @@ photos as taken (control points, masks) is carried over here.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 import cv2
 import numpy as np
 
+from graphos_core.adjustment.orientation.groups import listed
 from graphos_core.bands import visible
 from graphos_core.cameras import pixel_from_ray, ray_from_pixel
 from graphos_core.cameras.undistortion import ideal_camera
@@ -145,6 +146,11 @@ class SeenMasks:
     Parameters
     ----------
     pipeline : Pipeline
+
+    Attributes
+    ----------
+    covered : list of str
+        Names of the photos asked for so far in which nothing may be measured.
     """
 
     def __init__(self, pipeline: Pipeline) -> None:
@@ -153,6 +159,7 @@ class SeenMasks:
         self.raw = pipeline.project.photo_set
         self.seen = pipeline.photos
         self.ways = resamplings(pipeline)[1]
+        self.covered: list[str] = []
         self._positions: tuple[int, Array] | None = None
 
     def __call__(self, index: int) -> Array | None:
@@ -163,6 +170,12 @@ class SeenMasks:
         UserError
             When a picture of a mask cannot be used.
         """
+        free = self._free(index)
+        if free is not None and not free.any():
+            self.covered.append(self.seen.photos[index].name)
+        return free
+
+    def _free(self, index: int) -> Array | None:
         shown = read_shown(self.seen.photos[index])
         raw = self.raw.photos[index]
         mask = self.masks.get(raw.name)
@@ -185,10 +198,25 @@ def seen_masks_key(pipeline: Pipeline) -> Any:
     return masks_key(pipeline.project.folder, [photo.name for photo in pipeline.project.photo_set.photos])
 
 
-def covered_warning(name: str) -> Text:
-    """Say that a mask leaves nothing of a photo."""
-    return Text("The mask of {name} covers the whole photo: it gets no points and cannot be oriented. Keep a part of "
-                "it, or switch the photo off.", name=name)  # fmt: skip
+def pointless_warnings(empty: Sequence[str], covered: Sequence[str]) -> list[Text]:
+    """Say which photos got no points: those whose mask covers everything, and those that show too little.
+
+    Parameters
+    ----------
+    empty : sequence of str
+        Names of the photos without points.
+    covered : sequence of str
+        Names of those whose mask leaves nothing.
+    """
+    plain = [name for name in empty if name not in covered]
+    told = []
+    if covered:
+        told.append(Text("The mask of {names} covers the whole photo: it gets no points and cannot be oriented. Keep a "
+                         "part of it, or switch the photo off.", names=listed(covered)))  # fmt: skip
+    if plain:
+        told.append(Text("No points were found in {names}: too little texture (one colour, out of focus, dark), or the "
+                         "thresholds of the detector are too strict.", names=listed(plain)))  # fmt: skip
+    return told
 
 
 def seen_known(pipeline: Pipeline) -> Known:

@@ -13,7 +13,7 @@ from functools import lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from graphos_core.data import Array, Block, Cloud, Features, Finding
+from graphos_core.data import Block, Cloud, Features, Finding
 from graphos_core.errors import UserError
 from graphos_core.number_format import format_value
 from graphos_core.project_file import KNOWN
@@ -23,9 +23,9 @@ from graphos_core.seen_photos import (
     SeenMasks,
     block_reader,
     cameras_key,
-    covered_warning,
     given_as_seen,
     photo_grey_and_colour,
+    pointless_warnings,
     seen_known,
     seen_masks_key,
     undistortion_key,
@@ -77,15 +77,12 @@ def _keypoints(pipeline: Pipeline, folder: Path, run: Run) -> tuple[Features, ..
 
     algorithm, params = pipeline.recipe.algorithm("features", "detector")
     names, masks = [photo.name for photo in pipeline.photos.photos], SeenMasks(pipeline)
-
-    def mask(index: int) -> Array | None:
-        free = masks(index)
-        if free is not None and not free.any():
-            run.warn(covered_warning(names[index]))
-        return free
-
     read = partial(photo_grey_and_colour, pipeline)
-    return tuple(detect_all(len(names), read, algorithm, params, run, mask))
+    found = tuple(detect_all(len(names), read, algorithm, params, run, masks))
+    empty = [name for name, features in zip(names, found, strict=True) if len(features.xy) == 0]
+    for warning in pointless_warnings(empty, masks.covered):
+        run.warn(warning)
+    return found
 
 
 def _pairs(pipeline: Pipeline, folder: Path, run: Run) -> Any:

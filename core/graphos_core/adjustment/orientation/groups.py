@@ -37,11 +37,20 @@ def groups_of(photos: PhotoSet, pairs: Sequence[PairMatches]) -> list[tuple[int,
     if not groups:
         raise UserError(
             "No photo can be oriented.",
-            "No two photos have verified matches in common.",
+            _why_unconnected(pairs),
             "Take photos with at least 60 % overlap, or find more features and relax the matching.",
             learn="adjustment/overlap",
         )
     return groups
+
+
+def _why_unconnected(pairs: Sequence[PairMatches]) -> Text:
+    """Say that no pair is verified, and what the pair with most candidates lacked."""
+    if not pairs:
+        return Text("No two photos have points that could be matched.")
+    best = max(pairs, key=lambda pair: pair.candidates)
+    return Text("No two photos have verified matches in common; of {count} pairs the best one has: {reason}.",
+                count=len(pairs), reason=best.reason or Text("no verified match"))  # fmt: skip
 
 
 def listed(names: Sequence[str]) -> str:
