@@ -51,6 +51,22 @@ def page(stage: str, title: str) -> Callable[[MainWindow], None]:
     return show
 
 
+def keypoint(title: str) -> Callable[[MainWindow], None]:
+    """Return what shows a page of the features tab with the largest matched keypoint chosen."""
+
+    def show(window: MainWindow) -> None:
+        page("features", title)(window)
+        wait(window, 0.4)
+        tab = window.stage_tab("features")
+        features = tab.result.features[window.session.photo]
+        pairs = tab.keypoints.matched_in  # type: ignore[attr-defined]
+        best = max(range(len(features.xy)), key=lambda i: (int(pairs[i]), float(features.scale[i])))
+        tab.keypoints.choose(best)  # type: ignore[attr-defined]
+        tab.descriptor.choose(best)  # type: ignore[attr-defined]
+
+    return show
+
+
 def learn(kind: str, name: str) -> Callable[[MainWindow], None]:
     """Return what opens a simulator, a lesson or a lab."""
 
@@ -65,8 +81,11 @@ PICTURES = (
     Picture("start", "start", theme="light"),
     Picture("images", "images"),
     Picture("preprocessing", "preprocessing"),
-    Picture("keypoints", "features", page("features", "Keypoints")),
+    Picture("keypoints", "features", keypoint("Keypoints")),
+    Picture("descriptor", "features", keypoint("Descriptor"), "dark"),
     Picture("features", "features", page("features", "Matches"), "light"),
+    Picture("coverage", "features", page("features", "Coverage")),
+    Picture("graph", "features", page("features", "Image graph"), "light"),
     Picture("features_numbers", "features", page("features", "Numbers")),
     Picture("adjustment", "adjustment", page("adjustment", "3D"), "light"),
     Picture("findings", "adjustment", page("adjustment", "Findings")),
@@ -107,14 +126,17 @@ def wait(window: MainWindow, quiet_s: float = 0.7, limit_s: float = 90.0) -> Non
     from PySide6.QtWidgets import QApplication
 
     from graphos_py.views.cloud_canvas import CloudCanvas
+    from graphos_py.views.match_view import MatchView
 
     canvases = window.findChildren(CloudCanvas)
+    pairs = window.findChildren(MatchView)
     end = time.monotonic() + limit_s
     last = time.monotonic()
     while time.monotonic() - last < quiet_s and time.monotonic() < end:
         QApplication.processEvents()
         time.sleep(0.01)
         busy = any(canvas.busy for canvas in canvases if canvas.isVisible())
+        busy |= any(p.residuals is None for p in pairs if p.isVisible() and p.pair_geometry is not None)
         if window.jobs.running or busy:
             last = time.monotonic()
 

@@ -13,9 +13,9 @@ from graphos_core.number_format import format_value
 from graphos_core.params import Level
 from graphos_py.adjustment.camera_tiles import CameraTiles
 from graphos_py.adjustment.correlation_view import CorrelationView
-from graphos_py.adjustment.page import ResultPage
 from graphos_py.adjustment.parameter_table import ParameterTable
 from graphos_py.adjustment.special_plots import ProfilePlot
+from graphos_py.result_page import ResultPage
 from graphos_py.session import Session
 from graphos_py.translation import tr
 from graphos_py.views.background import Background

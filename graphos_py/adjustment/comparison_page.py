@@ -11,11 +11,11 @@ from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QPushButton, QText
 from graphos_core.errors import GraphosError
 from graphos_core.params import Level
 from graphos_core.run import Run
-from graphos_py.adjustment.page import ResultPage
 from graphos_py.icons import bind_icon
 from graphos_py.jobs import Job
 from graphos_py.project_actions import recipe_of_run
 from graphos_py.project_tree import PastRun, past_runs
+from graphos_py.result_page import ResultPage
 from graphos_py.session import Session
 from graphos_py.theme import theme
 from graphos_py.translation import tr

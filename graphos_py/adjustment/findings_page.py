@@ -12,9 +12,9 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QVBoxLay
 from graphos_core.data import Adjustment, CheckPoints, Finding, GlobalTest
 from graphos_core.number_format import format_value
 from graphos_core.params import Level
-from graphos_py.adjustment.page import ResultPage
 from graphos_py.adjustment.tables import endings, summary
 from graphos_py.icons import icon
+from graphos_py.result_page import ResultPage
 from graphos_py.theme import theme
 from graphos_py.translation import tr
 from graphos_py.views.table_view import Column, TableView

@@ -14,8 +14,8 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QSlider, QToolButton
 from graphos_core.data import IterationRecord
 from graphos_core.number_format import format_value
 from graphos_core.params import Level
-from graphos_py.adjustment.page import ResultPage
 from graphos_py.icons import bind_icon
+from graphos_py.result_page import ResultPage
 from graphos_py.translation import tr
 from graphos_py.views.plot_view import PlotView
 from graphos_py.views.table_view import Column, TableView

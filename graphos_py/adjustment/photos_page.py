@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from graphos_py.adjustment.page import ResultPage
 from graphos_py.adjustment.tables import photo_columns
+from graphos_py.result_page import ResultPage
 from graphos_py.translation import tr
 from graphos_py.views.table_view import TableView
 

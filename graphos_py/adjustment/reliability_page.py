@@ -12,7 +12,7 @@ from graphos_core.data import Adjustment, Array, Reliability
 from graphos_core.number_format import format_value
 from graphos_core.params import Level
 from graphos_core.report.residual_figures import suspects
-from graphos_py.adjustment.page import ResultPage
+from graphos_py.result_page import ResultPage
 from graphos_py.session import Session
 from graphos_py.tabs.images import read_photo
 from graphos_py.translation import tr

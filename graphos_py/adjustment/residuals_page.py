@@ -11,8 +11,8 @@ from graphos_core.number_format import format_value
 from graphos_core.params import Level
 from graphos_core.report.photo_pictures import cell_means
 from graphos_core.report.residual_figures import standardised
-from graphos_py.adjustment.page import ResultPage
 from graphos_py.adjustment.special_plots import QuantilePlot
+from graphos_py.result_page import ResultPage
 from graphos_py.session import Session
 from graphos_py.tabs.images import read_photo
 from graphos_py.theme import theme

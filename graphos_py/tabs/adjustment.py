@@ -9,7 +9,7 @@ from graphos_core.params import Level
 from graphos_py.tabs.stage_tab import StageTab
 
 if TYPE_CHECKING:
-    from graphos_py.adjustment.page import ResultPage
+    from graphos_py.result_page import ResultPage
 
 
 class AdjustmentTab(StageTab):

@@ -24,6 +24,8 @@ GRIP = 7.0
 class ImageView(QWidget):
     """One photo: zoom to the pixel, read values, see keypoints and residual vectors, compare two versions.
 
+    A view that is small is `brief` in the line below the photo.
+
     Signals
     -------
     cursor_moved(x, y)
@@ -49,6 +51,7 @@ class ImageView(QWidget):
         self.keypoints = KeypointLayer(self.canvas)
         self.vectors = VectorLayer(self.canvas)
         self.canvas.layers = [self.keypoints.paint, self.vectors.paint, self._paint_divider]
+        self.brief = False
         self._captions = ("", "")
         self._after: Array | None = None
         self._moving_divider = False
@@ -97,9 +100,19 @@ class ImageView(QWidget):
         self.canvas.empty = (title, hint)
         self.canvas.update()
 
-    def set_keypoints(self, features: Features | None) -> None:
-        """Draw keypoints: a circle of their scale and a line of their orientation; None removes them."""
-        self.keypoints.set_features(features)
+    def set_keypoints(
+        self, features: Features | None, shown: Array | None = None, marked: Array | None = None
+    ) -> None:
+        """Draw keypoints: a circle of their scale and a line of their orientation; None removes them.
+
+        `shown` and `marked`, bool (n,), say which are seen and which of these are told from the others.
+        """
+        self.keypoints.set_features(features, shown, marked)
+        self._write_state()
+
+    def filter_keypoints(self, shown: Array | None, marked: Array | None = None) -> None:
+        """Show some of the keypoints, see `set_keypoints`; the selected one stays selected."""
+        self.keypoints.filter(shown, marked)
         self._write_state()
 
     def select_keypoint(self, index: int) -> None:
@@ -107,6 +120,13 @@ class ImageView(QWidget):
         self.keypoints.selected = index
         self.canvas.update()
         self._write_state()
+
+    def show_keypoint(self, index: int) -> None:
+        """Highlight keypoint `index` and bring it into sight. Emits nothing."""
+        self.select_keypoint(index)
+        place = self.keypoints.place(index)
+        if place is not None and not self.canvas.visible().contains(QPointF(*place)):
+            self.canvas.focus_on(*place)
 
     def set_overlay(
         self,
@@ -165,13 +185,14 @@ class ImageView(QWidget):
 
     def _write_state(self) -> None:
         parts = []
-        if self.keypoints.selected >= 0:
+        if self.keypoints.selected >= 0 and not self.brief:
             parts.append(self.keypoints.describe(self.keypoints.selected))
         if self.keypoints.count:
             parts.append(self.tr("{n} keypoints").format(n=format_value(self.keypoints.count)))
         width, height = self.canvas.image_size
         if width:
-            parts.append(f"{width} × {height}{THIN_SPACE}px")
+            if not self.brief:
+                parts.append(f"{width} × {height}{THIN_SPACE}px")
             parts.append(f"{format_value(self.canvas.zoom * 100, digits=3)}{THIN_SPACE}%")
         self._state.setText("      ".join(parts))
 

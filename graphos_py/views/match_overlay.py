@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QWidget
 
 from graphos_core.data.record import Array
 from graphos_py.views.colour_legend import paint_legend
+from graphos_py.views.match_colours import TABLE
 from graphos_py.views.painting import plate
 
 if TYPE_CHECKING:
@@ -68,18 +69,16 @@ class MatchOverlay(QWidget):
                 )
                 plate(painter, box, self.palette())
                 painter.drawText(box, Qt.AlignmentFlag.AlignCenter, name)
-        if self.view.residuals is not None and len(self.view.residuals):
+        said = self.view.colouring
+        if said.values is not None and len(said.values):
             area = QRectF(0, 0, self.width(), self.height())
-            title = self.tr("distance from the epipolar line")
-            paint_legend(
-                painter, area, self.palette(), 0.0, self.view.legend_range(), title, "px", "bright viridis"
-            )
+            paint_legend(painter, area, self.palette(), said.low, said.high, said.title, said.unit, TABLE)
 
     def _paint_matches(self, painter: QPainter) -> None:
         """Paint all points and, evenly chosen, as many lines as can be told apart; kept until the view changes."""
         ratio = self.devicePixelRatioF()
         views = [(c.zoom, c.left, c.top, c.x(), c.y(), c.width(), c.height()) for c in self.view.canvases]
-        key = (tuple(views), ratio, len(self.view.xy[0]), id(self.view.colours))
+        key = (tuple(views), ratio, len(self.view.xy[0]), id(self.view.colours), self.view.lines)
         if key != self._cache_key or self._cache is None:
             self._cache = self._picture(ratio)
             self._cache_key = key
@@ -91,7 +90,10 @@ class MatchOverlay(QWidget):
         """Return lines and points over nothing, premultiplied; by OpenCV, which is faster than a painter."""
         both = [self.view.screen_positions(side) for side in (0, 1)]
         inside = [self._in_sight(side, positions) for side, positions in enumerate(both)]
-        linked = _evenly(np.flatnonzero(inside[0] & inside[1]), LINES_AT_MOST)
+        kept = np.ones(len(both[0]), bool) if self.view.kept is None else self.view.kept
+        linked = _evenly(
+            np.flatnonzero(inside[0] & inside[1] & kept), LINES_AT_MOST if self.view.lines else 0
+        )
         self.lines_drawn = len(linked)
         width, height = (max(round(side * ratio), 1) for side in (self.width(), self.height()))
         ink = np.zeros((height, width, 4), np.uint8)
@@ -103,7 +105,9 @@ class MatchOverlay(QWidget):
             cv2.line(ink, *ends, (0, 0, 0, 150), thick, cv2.LINE_AA, SHIFT)
             cv2.line(ink, *ends, colours[index], thin, cv2.LINE_AA, SHIFT)
         for positions, seen in zip(fixed, inside):
-            for index in _evenly(np.flatnonzero(seen), POINTS_AT_MOST).tolist():
+            order = [*_evenly(np.flatnonzero(seen & ~kept), POINTS_AT_MOST).tolist(),
+                     *_evenly(np.flatnonzero(seen & kept), POINTS_AT_MOST).tolist()]  # fmt: skip
+            for index in order:
                 for radius, colour in ((2.7, (0, 0, 0, 190)), (1.8, colours[index])):
                     size = round(radius * ratio * ONE)
                     cv2.circle(ink, positions[index].tolist(), size, colour, -1, cv2.LINE_AA, SHIFT)
@@ -127,23 +131,60 @@ class MatchOverlay(QWidget):
             painter.drawEllipse(b, 7, 7)
 
     def _paint_curve(self, painter: QPainter) -> None:
+        """Paint the curve of the point under the cursor in the other photo, and the one it lies on in its own."""
         curve = self.view.curve
         if self.view.pointed is None or curve is None:
             return
         side, x, y = self.view.pointed
-        other = self.view.canvases[1 - side]
-        points = np.asarray(curve(side, x, y), np.float64).reshape(-1, 2)
-        points = points[np.isfinite(points).all(axis=1)]
+        points = _finite(curve(side, x, y))
+        if not len(points):
+            return
+        geometry = self.view.pair_geometry
+        if geometry is not None and geometry.mapped:
+            self._paint_cross(painter, 1 - side, points[0])
+            return
+        self._paint_line(painter, 1 - side, points)
+        width, height = self.view.canvases[1 - side].image_size
+        middle = points[np.argmin(((points - [0.5 * width, 0.5 * height]) ** 2).sum(axis=1))]
+        self._paint_line(painter, side, _finite(curve(1 - side, float(middle[0]), float(middle[1]))), 0.55)
+
+    def _paint_line(self, painter: QPainter, side: int, points: Array, opacity: float = 1.0) -> None:
+        canvas = self.view.canvases[side]
         painter.save()
-        painter.setClipRect(other.geometry())
-        moved = other.to_screen(points) + np.array([other.x(), other.y()])
+        painter.setClipRect(canvas.geometry())
+        painter.setOpacity(opacity)
+        moved = canvas.to_screen(points) + np.array([canvas.x(), canvas.y()])
         line = [QPointF(*p) for p in np.clip(moved, -1e5, 1e5).tolist()]
         for colour, width in ((QColor(0, 0, 0, 160), 4.0), (QColor(255, 221, 51), 2.0)):
             painter.setPen(QPen(colour, width))
             painter.drawPolyline(line)
         painter.restore()
 
+    def _paint_cross(self, painter: QPainter, side: int, point: Array) -> None:
+        """Paint where a homography maps the point under the cursor."""
+        canvas = self.view.canvases[side]
+        x, y = (canvas.to_screen(point)[0] + np.array([canvas.x(), canvas.y()])).tolist()
+        painter.save()
+        painter.setClipRect(canvas.geometry())
+        for colour, width in ((QColor(0, 0, 0, 160), 4.0), (QColor(255, 221, 51), 2.0)):
+            painter.setPen(QPen(colour, width))
+            painter.drawLine(QPointF(x - 12, y), QPointF(x + 12, y))
+            painter.drawLine(QPointF(x, y - 12), QPointF(x, y + 12))
+        painter.restore()
+
+    def refresh(self) -> None:
+        """Draw the matches anew."""
+        self._cache_key = None
+        self.update()
+
+
+def _finite(points: Array) -> Array:
+    points = np.asarray(points, np.float64).reshape(-1, 2)
+    return points[np.isfinite(points).all(axis=1)]
+
 
 def _evenly(rows: Array, count: int) -> Array:
     """Return at most `count` of the rows, evenly chosen: more would hide each other."""
+    if not count:
+        return rows[:0]
     return rows if len(rows) <= count else rows[np.linspace(0, len(rows) - 1, count).astype(int)]

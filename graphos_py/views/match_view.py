@@ -1,4 +1,4 @@
-"""Two photos side by side, their verified matches, and the epipolar line of what is under the cursor."""
+"""Two photos side by side, their verified matches, and where the point under the cursor lies in the other photo."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from graphos_core.data.cameras import Camera
 from graphos_core.data.matches import PairMatches
 from graphos_core.data.record import Array
 from graphos_core.number_format import THIN_SPACE, format_value
-from graphos_core.rendering.colour_maps import colours_of_values
 from graphos_py.views.background import Background
 from graphos_py.views.export import Writer, export_menu, write_csv, write_png, write_svg
+from graphos_py.views.match_colours import RESIDUAL, MatchColours, colours_by, residual_range, residual_title
 from graphos_py.views.match_overlay import MatchOverlay
 from graphos_py.views.pair_geometry import PairGeometry
 from graphos_py.views.pixel_canvas import PixelCanvas
@@ -55,6 +55,10 @@ class MatchView(QWidget):
         self.hovered = -1
         self.residuals: Array | None = None
         self.colours: list[QColor] = []
+        self.kind = RESIDUAL
+        self.colouring: MatchColours = colours_by(RESIDUAL, None, None)
+        self.kept: Array | None = None
+        self.lines = True
         self._pair: PairMatches | None = None
         self._geometry: PairGeometry | None = None
         self._given_curve: EpipolarCurve | None = None
@@ -118,7 +122,7 @@ class MatchView(QWidget):
         self._pair = pair
         self.names = names
         self.selected = self.hovered = -1
-        self.pointed = None
+        self.pointed = self.kept = None
         for canvas, image in zip(self.canvases, (image_a, image_b)):
             canvas.set_array(image)
         self._arrange()
@@ -173,24 +177,37 @@ class MatchView(QWidget):
             return self._geometry.curve
         return self._given_curve
 
+    @property
+    def pair_geometry(self) -> PairGeometry | None:
+        """The geometry of the pair; None where it has none."""
+        return self._geometry
+
     def _size(self, side: int) -> tuple[int, int]:
         return self.canvases[side].image_size
 
+    def colour_by(self, kind: str) -> None:
+        """Let the colour of a match say its ``"residual"`` or its ``"ratio"``."""
+        self.kind = kind
+        self._take_residuals(self.residuals)
+
+    def show_lines(self, lines: bool) -> None:
+        """Draw lines between the photos, or only the points in both."""
+        self.lines = lines
+        self._over.refresh()
+
+    def show_kept(self, kept: Array | None) -> None:
+        """Grey out matches that a thinning would leave out, bool (n,); None for none."""
+        self.kept = kept
+        self._take_residuals(self.residuals)
+
     def _colour_matches(self) -> None:
-        if self.residuals is not None:
-            values, high = self.residuals, self.legend_range()
-        else:  # without a distance, colour tells neighbours apart: position from left to right
-            values, high = self.xy[0][:, 0], max(self._size(0)[0], 1)
-        table = colours_of_values(values, 0.0, float(high), "bright viridis")
+        self.colouring = colours_by(self.kind, self._pair, self.residuals)
+        table = self.colouring.rgb(self.xy[0], self._size(0)[0], self.kept)
         self.colours = [QColor(*rgb) for rgb in table.tolist()]
 
     def legend_range(self) -> float:
-        """Return the distance from the epipolar line that gets the last colour, px: few matches lie beyond it."""
-        if self.residuals is None or not len(self.residuals):
-            return 1.0
-        high = float(np.quantile(self.residuals, 0.98))
-        threshold = self._pair.threshold_px if self._pair is not None else 0.0
-        return max(min(high, threshold) if threshold > 0 else high, 1e-3)
+        """Return the distance that gets the last colour, px: few matches lie beyond it."""
+        return residual_range(self._pair, self.residuals)
 
     # people
 
@@ -234,6 +251,10 @@ class MatchView(QWidget):
     def _counterpart(self, side: int) -> tuple[float, float]:
         """Return where the middle of photo `side` lies in the other one, by the median shift of nearby matches."""
         first = self.canvases[side]
+        if self._geometry is not None and self._geometry.mapped:
+            at = first.to_image(0.5 * first.width(), 0.5 * first.height())
+            x, y = self._geometry.curve(side, *at)[0].tolist()
+            return x, y
         if len(self.xy[side]) < 3:
             return math.nan, math.nan
         middle = np.array(first.to_image(0.5 * first.width(), 0.5 * first.height()))
@@ -261,8 +282,17 @@ class MatchView(QWidget):
 
     def exports(self) -> dict[str, Writer]:
         """Return writers by file ending."""
-        header = ("x_a [px]", "y_a [px]", "x_b [px]", "y_b [px]", "epipolar distance [px]")
-        extra = np.full(len(self.xy[0]), np.nan) if self.residuals is None else self.residuals
+        header = (
+            "x_a [px]",
+            "y_a [px]",
+            "x_b [px]",
+            "y_b [px]",
+            f"{residual_title(self._pair)} [px]",
+            "ratio",
+        )
+        unknown = np.full(len(self.xy[0]), np.nan)
+        ratio = unknown if self._pair is None or len(self._pair.ratio) != len(unknown) else self._pair.ratio
+        extra = np.column_stack([unknown if self.residuals is None else self.residuals, ratio])
         return {
             "png": lambda path: write_png(self, path),
             "svg": lambda path: write_svg(self, path),
@@ -287,7 +317,9 @@ class MatchView(QWidget):
             parts.append(f"#{shown}   {xa:.2f}, {ya:.2f} ↔ {xb:.2f}, {yb:.2f}{THIN_SPACE}px")
             if self.residuals is not None:
                 distance = format_value(float(self.residuals[shown]), digits=2, unit="px")
-                parts.append(self.tr("{d} from the epipolar line").format(d=distance))
+                parts.append(f"{residual_title(pair)} {distance}")
+            if pair is not None and len(pair.ratio) == count:
+                parts.append(self.tr("ratio {q}").format(q=f"{float(pair.ratio[shown]):.2f}"))
         self._text.setText("      ".join(parts))
 
     def screen_positions(self, side: int) -> Array:

@@ -1,4 +1,4 @@
-"""Epipolar lines and distances of a pair as the match view needs them, whichever matrix was estimated."""
+"""Lines, mapped points and distances of a pair as the match view needs them, whichever matrix was estimated."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from graphos_core.geometry.epipolar import (
     interior_matrix,
     line_distances,
 )
+from graphos_core.geometry.homography import transfer, transfer_squares
 from graphos_core.geometry.rays import rays_of
 from graphos_core.geometry.relative_orientation import RayPairs
 
@@ -30,19 +31,22 @@ class PairGeometry:
     ----------
     fundamental : float64 (3, 3)
         For measured px, or for distortion-free px where there are cameras; the essential matrix where one of them is
-        wide.
+        wide; the homography where the points are mapped.
     sizes : ((width, height), (width, height))
         Of the photos, px.
     cameras : (Camera, Camera) or None
         Where the matrix is an essential one.
     wide : bool
         Whether one of the cameras sees rays that no image plane holds: fish-eye or panorama.
+    mapped : bool
+        Whether every point has its place in the other photo, by a homography, in place of a line.
     """
 
     fundamental: Array
     sizes: tuple[tuple[int, int], tuple[int, int]]
     cameras: tuple[Camera, Camera] | None = None
     wide: bool = False
+    mapped: bool = False
 
     @classmethod
     def of_pair(
@@ -54,6 +58,8 @@ class PairGeometry:
         """Return the geometry of a pair; None where it has none, or is essential and the cameras are missing."""
         if pair is None or not np.any(pair.matrix):
             return None
+        if pair.kind == "homography":
+            return cls(np.asarray(pair.matrix), sizes, mapped=True)
         if pair.kind == "fundamental":
             return cls(np.asarray(pair.matrix), sizes)
         if pair.kind == "essential" and cameras is not None:
@@ -63,7 +69,9 @@ class PairGeometry:
         return None
 
     def distances(self, xy_a: Array, xy_b: Array) -> Array:
-        """Return the larger distance (n,) of each match from the two epipolar lines, px."""
+        """Return the larger distance (n,) of each match from its two epipolar lines, or mapped points, px."""
+        if self.mapped:
+            return np.asarray(np.sqrt(np.maximum(*transfer_squares(self.fundamental, xy_a, xy_b))))
         if self.wide and self.cameras is not None:
             rays = (rays_of(camera, xy) for camera, xy in zip(self.cameras, (xy_a, xy_b), strict=True))
             return RayPairs(*rays).line_distances(self.fundamental)
@@ -74,8 +82,11 @@ class PairGeometry:
         """Return points (n, 2) of the epipolar curve, in the other photo, of pixel (x, y) of photo `side`.
 
         A straight line, bent by the distortion of the other camera where it is known; in a fish-eye photo the image of
-        the whole epipolar plane, NaN outside the image circle.
+        the whole epipolar plane, NaN outside the image circle. Of a homography one point.
         """
+        if self.mapped:
+            matrix = self.fundamental if side == 0 else np.linalg.inv(self.fundamental)
+            return transfer(matrix, np.array([[x, y]]))
         if self.wide and self.cameras is not None:
             ray = ray_from_pixel(self.cameras[side], np.array([[x, y]]))[0]
             circle = epipolar_circle(self.fundamental, ray, 8 * SAMPLES, into_a=side == 1)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -67,9 +68,11 @@ class Column:
             return 2, 0
         return 0, float(value)
 
-    @property
+    @cached_property
     def is_text(self) -> bool:
         """Whether cells are texts, which are left-aligned."""
+        if isinstance(self.values, np.ndarray) and self.values.dtype != object:
+            return bool(self.values.dtype.kind in "US")
         return any(isinstance(value, str) for value in self.values)
 
 

@@ -156,6 +156,7 @@ class _Table(QTableView):
         self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 8)
         self.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.Interactive)
         self.horizontalHeader().setHighlightSections(False)
+        self.horizontalHeader().setResizeContentsPrecision(200)  # rows that a width is chosen by
 
     def changeEvent(self, event: QEvent) -> None:
         """Follow the font scale."""

@@ -1,4 +1,4 @@
-"""What every page of the adjustment tab has."""
+"""What every page has that shows a part of a result."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from graphos_py.settings import LEVELS
 
 
 class ResultPage(QWidget):
-    """A page that shows a part of an adjustment; filled when it is seen, so that hidden pages cost nothing.
+    """A page that shows a part of a result; filled when it is seen, so that hidden pages cost nothing.
 
     A subclass names its `label` and the lowest `level` that sees it, and fills itself in `fill`.
 
     Signals
     -------
     photo_wanted(index)
-        A photo of the block.
+        A photo of the project.
     lesson(name)
         The person wants to read a lesson.
     """
@@ -38,7 +38,7 @@ class ResultPage(QWidget):
         self.column.setSpacing(0)
 
     def show_result(self, result: Any) -> None:
-        """Take an `AdjustmentResult`, or None for none."""
+        """Take a result, or None for none."""
         self.result, self._stale = result, True
         if self.isVisible():
             self._refresh()

@@ -1,0 +1,1 @@
+"""The pages of the features tab: one file per page, named after it."""
