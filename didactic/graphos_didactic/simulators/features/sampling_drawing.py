@@ -40,7 +40,7 @@ def photo_marks(seen: Search) -> list[AnyMark]:
     box = np.array([[0, 0], [WIDTH - 1, 0], [WIDTH - 1, HEIGHT - 1], [0, HEIGHT - 1]])
     if seen.photos is None:
         return [
-            Polygon(panel="pair", role="muted", xy=box + (shift, 0), fill=0.05, width=1.0) for shift in (0, LEFT)
+            Polygon(panel="pair", role="muted", xy=box + np.array([shift, 0]), fill=0.05, width=1.0) for shift in (0, LEFT)
         ]  # fmt: skip
     pair = seen.photos.photos
     return [
