@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from typing import Literal
 
 import cv2
 import numpy as np
+from threadpoolctl import ThreadpoolController
 
 from graphos_core.cameras import pixel_from_ray, ray_from_pixel
-from graphos_core.data import Camera, Features
+from graphos_core.data import Camera, Candidates, Features
 from graphos_core.data.record import Array
 from graphos_core.features.detectors.sift import SiftParams, sift
+from graphos_core.features.matchers.mutual import MutualParams, mutual
 from graphos_core.geometry.rotation import look_at, matrix_from_vector
 from graphos_core.run import Run
 from graphos_didactic.simulator import Setting
@@ -145,6 +147,17 @@ def points_of(photo: Array, params: SiftParams) -> Features:
     """Return the engine's SIFT features of a small photo at its full size."""
     grey = cv2.cvtColor(photo, cv2.COLOR_RGB2GRAY)
     return sift(grey, photo, params, run=Run(threads=1))
+
+
+@cache
+def _threads() -> ThreadpoolController:
+    return ThreadpoolController()
+
+
+def matches_of(a: Features, b: Features, ratio: float, *, both: bool) -> Candidates:
+    """Return the engine's mutual matches of few features; a second thread would cost more than it brings."""
+    with _threads().limit(limits=1, user_api="blas"):
+        return mutual(a, b, MutualParams(ratio=ratio, mutual=both), run=Run(threads=1))
 
 
 class _Last:

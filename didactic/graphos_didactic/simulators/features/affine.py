@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from graphos_core.cameras import pixel_from_ray, ray_from_pixel
 from graphos_core.features.detectors.affine_simulation import (
     fully_inside,
@@ -103,7 +105,7 @@ def _panels(seen: Simulated, last: int) -> tuple[Panel, ...]:
         Panel(name="tilts", title="Every view", rect=(0.26, 0.52, 0.26, 0.48), x_range=(0.8, widest),
               y_range=(-0.05 * max(most, 5), 1.15 * max(most, 5)), x_label="tilt left between view and photo B",
               y_label="true matches"),
-        Panel(name="counts", title="SIFT alone (left), all views (right)", rect=(0.52, 0.52, 0.22, 0.48), kind="picture",
+        Panel(name="counts", title="SIFT alone · all views", rect=(0.52, 0.52, 0.22, 0.48), kind="picture",
               x_range=(-0.55, 1.55), y_range=(0.0, 1.15 * top), y_label="matches"),
         Panel(name="numbers", title="Numbers", rect=(0.74, 0.52, 0.26, 0.48), kind="sheet"),
     )  # fmt: skip
@@ -111,7 +113,7 @@ def _panels(seen: Simulated, last: int) -> tuple[Panel, ...]:
 
 def _view_title(seen: Simulated) -> str:
     tilt, longitude = seen.angles[seen.nearest]
-    return f"Nearest view: t = {tilt:.2f}, φ = {57.29577951308232 * longitude:.0f}°"
+    return f"Nearest view: t = {tilt:.2f}, φ = {np.degrees(longitude):.0f}°"
 
 
 def _sheet(seen: Simulated, last: int) -> list[AnyMark]:

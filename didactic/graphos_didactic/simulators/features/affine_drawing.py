@@ -19,7 +19,7 @@ LEFT = WIDTH + GAP
 
 def watcher(seen: Simulated) -> Observer:
     """Return who looks at the hemisphere."""
-    return Observer(np.array([0.0, 0.0, 0.34]), 4.4, seen.params.orbit, 26.0, 520.0)
+    return Observer(np.array([0.0, 0.0, 0.3]), 4.0, seen.params.orbit, 26.0, 640.0)
 
 
 def on_dome(tilt: float, swing: Array | float) -> Array:
@@ -34,7 +34,9 @@ def dome_marks(seen: Simulated, last: int) -> list[AnyMark]:
     view, p = watcher(seen), seen.params
     around = np.linspace(0, 360, 61)
     half = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) * (0.42, 0.315, 1.0)
-    marks: list[AnyMark] = [Polygon(panel="space", thing="wall", role="muted", xy=view.seen(half), fill=0.2, width=1.4)]
+    marks: list[AnyMark] = [
+        Polygon(panel="space", thing="wall", role="muted", xy=view.seen(half), fill=0.2, width=1.4)
+    ]
     for tilt in (30.0, 60.0, 89.9):
         marks.append(Line(panel="space", role="grid", xy=view.seen(on_dome(tilt, around)), width=1.2))
     for swing in (0.0, 90.0):
@@ -47,7 +49,9 @@ def dome_marks(seen: Simulated, last: int) -> list[AnyMark]:
     rotation = matrix_from_vector(np.array([0.0, 0.0, np.radians(p.roll)])) @ rotation
     marks.append(Line(panel="space", thing="camera", role="second", xy=view.seen(np.stack([centre, np.zeros(3)])),
                       dash="dash", width=1.4))  # fmt: skip
-    marks += pyramid(view, CAMERA, rotation, centre, thing="camera", role="second", size=0.26, label="B", dash="dash")
+    marks += pyramid(
+        view, CAMERA, rotation, centre, thing="camera", role="second", size=0.26, label="B", dash="dash"
+    )
     marks += pyramid(view, CAMERA, look_at(np.array([0.0, 0.0, 1.0]), np.zeros(3), np.array([0.0, 1.0, 0.0])),
                      np.array([0.0, 0.0, 1.0]), thing="alone", role="first", size=0.2, label="A")  # fmt: skip
     return marks
@@ -62,9 +66,15 @@ def _stations(seen: Simulated, view: Observer, last: int) -> list[AnyMark]:
         places = view.seen(on_dome(theta, np.array([swing, swing + 180.0])))
         right = seen.matched[i].right if last >= 2 else 0
         size = 4.5 + 1.6 * float(np.sqrt(right))
-        marks.append(Points(panel="space", thing="views", role="truth" if right else "neutral", xy=places, size=size))
+        marks.append(
+            Points(panel="space", thing="views", role="truth" if right else "neutral", xy=places, size=size)
+        )
         if i == seen.nearest and last >= 1:
-            marks.append(Points(panel="space", thing="nearest", role="accent", xy=places, size=size + 8.0, marker="ring"))
+            marks.append(
+                Points(
+                    panel="space", thing="nearest", role="accent", xy=places, size=size + 8.0, marker="ring"
+                )
+            )
     return marks
 
 
@@ -72,7 +82,9 @@ def photo_marks(seen: Simulated) -> list[AnyMark]:
     """Show photo A and photo B beside each other."""
     return [
         Picture(panel="pair", pixels=seen.photo_a, extent=(-0.5, -0.5, WIDTH - 0.5, HEIGHT - 0.5)),
-        Picture(panel="pair", pixels=seen.photo_b, extent=(LEFT - 0.5, -0.5, LEFT + WIDTH - 0.5, HEIGHT - 0.5)),
+        Picture(
+            panel="pair", pixels=seen.photo_b, extent=(LEFT - 0.5, -0.5, LEFT + WIDTH - 0.5, HEIGHT - 0.5)
+        ),
     ]
 
 
@@ -82,7 +94,9 @@ def match_marks(found: Matched) -> list[AnyMark]:
     lines = np.stack([a, b, np.full_like(a, np.nan)], axis=1)
     marks: list[AnyMark] = []
     if len(a):
-        marks.append(Line(panel="pair", thing="matches", role="neutral", xy=lines.reshape(-1, 2)[:-1], width=0.8))
+        marks.append(
+            Line(panel="pair", thing="matches", role="neutral", xy=lines.reshape(-1, 2)[:-1], width=0.8)
+        )
     if found.right:
         xy = lines[found.true].reshape(-1, 2)[:-1]
         marks += [
@@ -94,7 +108,15 @@ def match_marks(found: Matched) -> list[AnyMark]:
         xy = lines[~found.true].reshape(-1, 2)[:-1]
         marks += [
             Line(panel="pair", thing="false", role="error", xy=xy, width=1.6, dash="dash", truth=True),
-            Points(panel="pair", thing="false", role="error", xy=a[~found.true], marker="cross", size=7.0, truth=True),
+            Points(
+                panel="pair",
+                thing="false",
+                role="error",
+                xy=a[~found.true],
+                marker="cross",
+                size=7.0,
+                truth=True,
+            ),
         ]
     return marks
 

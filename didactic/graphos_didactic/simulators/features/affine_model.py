@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import cv2
 import numpy as np
@@ -18,11 +20,18 @@ from graphos_core.features.detectors.affine_simulation import (
     views,
 )
 from graphos_core.features.detectors.sift import SiftParams, sift
-from graphos_core.features.matchers.mutual import MutualParams, mutual
 from graphos_core.run import Run
 from graphos_didactic.simulator import Setting
 from graphos_didactic.simulators.features.affine_params import AffineParams
-from graphos_didactic.simulators.pictured_pair import HEIGHT, WIDTH, PicturedPair, View, points_of, wall_picture
+from graphos_didactic.simulators.pictured_pair import (
+    HEIGHT,
+    WIDTH,
+    PicturedPair,
+    View,
+    matches_of,
+    points_of,
+    wall_picture,
+)
 
 POINTS = SiftParams(maximum=220, reduction=1.0, contrast=0.06)
 TOLERANCE = 3.0
@@ -117,6 +126,23 @@ class Matched:
         return int((~self.true).sum())
 
 
+class _Recent:
+    """What was found last, of each kind, so that going round the hemisphere finds nothing anew."""
+
+    def __init__(self) -> None:
+        self._known: dict[str, tuple[tuple[Any, ...], Any]] = {}
+
+    def get(self, kind: str, key: tuple[Any, ...], make: Callable[[], Any]) -> Any:
+        """Return the value of a key, whose first entry is compared by identity; made unless it is the last one."""
+        known = self._known.get(kind)
+        if known is None or known[0][0] is not key[0] or known[0][1:] != key[1:]:
+            known = self._known[kind] = (key, make())
+        return known[1]
+
+
+_recent = _Recent()
+
+
 @dataclass(frozen=True, eq=False)
 class Simulated:
     """The photos of a parameter sheet, the simulated views, and all matches."""
@@ -140,15 +166,29 @@ class Simulated:
         """Photo A."""
         return _kept.photo(self.wall[0])
 
-    @cached_property
+    @property
     def photo_b(self) -> Array:
         """Photo B."""
-        return self.photos.photo_b
+        return self._of_b[0]
 
-    @cached_property
+    @property
     def of_b(self) -> Features:
         """Features of photo B."""
-        return points_of(self.photo_b, POINTS)
+        return self._of_b[1]
+
+    @cached_property
+    def _of_b(self) -> tuple[Array, Features]:
+        found: tuple[Array, Features] = _recent.get("photo", self._key(), self._taken)
+        return found
+
+    def _taken(self) -> tuple[Array, Features]:
+        photo = self.photos.photo_b
+        return photo, points_of(photo, POINTS)
+
+    def _key(self, *names: str) -> tuple[Any, ...]:
+        """Return what photo B depends on, and the given parameters."""
+        p = self.params
+        return self.wall[0], p.tilt, p.swing, p.roll, p.noise, p.seed, *(getattr(p, name) for name in names)
 
     @cached_property
     def angles(self) -> tuple[tuple[float, float], ...]:
@@ -163,9 +203,15 @@ class Simulated:
     @cached_property
     def matched(self) -> tuple[Matched, ...]:
         """Matches of each view with photo B."""
-        params, found = MutualParams(ratio=self.params.ratio), []
+        found: tuple[Matched, ...] = _recent.get(
+            "matches", self._key("tilts", "step", "ratio"), self._matched
+        )
+        return found
+
+    def _matched(self) -> tuple[Matched, ...]:
+        found = []
         for i, view in enumerate(self.views):
-            pairs = mutual(view.features, self.of_b, params, run=Run(threads=1)).matches
+            pairs = matches_of(view.features, self.of_b, self.params.ratio, both=True).matches
             a, b = view.in_photo[pairs[:, 0]], self.of_b.xy[pairs[:, 1]].astype(np.float64)
             miss = np.hypot(*(b - self.photos.true_partner(a)).T)
             found.append(Matched(a, b, miss <= TOLERANCE, np.full(len(a), i)))
@@ -211,13 +257,15 @@ class Simulated:
 
     @property
     def true_tilt(self) -> float:
-        """t = 1 / cos θ of camera B."""
+        """T = 1 / cos θ of camera B."""
         return float(1.0 / np.cos(np.radians(self.params.tilt)))
 
 
 def once(found: tuple[Matched, ...]) -> Matched:
     """Join matches of several views; of those whose points in A share a cell the first true one stays, else the first."""
-    a, b, true, view = (np.concatenate([getattr(m, name) for m in found]) for name in ("a", "b", "true", "view"))
+    a, b, true, view = (
+        np.concatenate([getattr(m, name) for m in found]) for name in ("a", "b", "true", "view")
+    )
     order = np.lexsort((np.arange(len(a)), ~true))
     _, first = np.unique(np.floor(a[order] / CELL), axis=0, return_index=True)
     keep = np.sort(order[first])

@@ -85,4 +85,6 @@ def _judge(number: float | None, right: float, mistakes: dict[str, float], tilt:
     for name, wrong in mistakes.items():
         if abs(number - wrong) <= TOLERANCE * wrong:
             return Verdict(False, f"{number:g} is not it. {why[name]}", name)
-    return Verdict(False, f"{number:g} is not it. Think of a ruler on the wall: how long does it look from there?")
+    return Verdict(
+        False, f"{number:g} is not it. Think of a ruler on the wall: how long does it look from there?"
+    )

@@ -10,11 +10,10 @@ import numpy as np
 from graphos_core.data import Candidates, Features
 from graphos_core.data.record import Array
 from graphos_core.features.detectors.sift import SiftParams
-from graphos_core.features.matchers.mutual import MutualParams, mutual, nearest_two
-from graphos_core.run import Run
+from graphos_core.features.matchers.mutual import nearest_two
 from graphos_didactic.simulator import Setting
 from graphos_didactic.simulators.features.ratio_test_params import RatioTestParams
-from graphos_didactic.simulators.pictured_pair import SeenPair, View, seen_pair, wall_picture
+from graphos_didactic.simulators.pictured_pair import SeenPair, View, matches_of, seen_pair, wall_picture
 
 POINTS = SiftParams(maximum=300, reduction=1.0, contrast=0.06)
 """How features are found."""
@@ -50,7 +49,7 @@ class Counts:
 
 @lru_cache(maxsize=256)
 def _matched(a: Features, b: Features, ratio: float, both: bool) -> Candidates:
-    return mutual(a, b, MutualParams(ratio=ratio, mutual=both), run=Run(threads=1))
+    return matches_of(a, b, ratio, both=both)
 
 
 @dataclass(frozen=True, eq=False)

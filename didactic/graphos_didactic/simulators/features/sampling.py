@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from graphos_core.features.robust.models import FundamentalModel, HomographyModel
-from graphos_core.features.robust.samplers import ProgressiveSampler, UniformSampler
-from graphos_core.geometry.homography import transfer
 
 from graphos_core.features.detectors.sift import sift
 from graphos_core.features.matchers.mutual import mutual
+from graphos_core.features.robust.models import FundamentalModel, HomographyModel
+from graphos_core.features.robust.samplers import ProgressiveSampler, UniformSampler
 from graphos_core.features.robust_scores import magsac_loss, msac_loss, ransac_loss, robust_sigma
 from graphos_core.geometry.consensus import samples_needed
+from graphos_core.geometry.homography import transfer
 from graphos_didactic.scene import AnyMark, Formula, Number, Panel, Scene, Sentence
 from graphos_didactic.simulator import Preset, Setting, Step, simulator
 from graphos_didactic.simulators.features.sampling_drawing import (

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from graphos_core.geometry.homography import transfer
 
 from graphos_core.data.record import Array
 from graphos_core.geometry.consensus import samples_needed
 from graphos_core.geometry.epipolar import epipolar_lines
+from graphos_core.geometry.homography import transfer
 from graphos_didactic.scene import AnyMark, Bars, Dash, Handle, Line, Picture, Points, Polygon, Role
 from graphos_didactic.simulators.features.sampling_model import LOSSES, Search
 from graphos_didactic.simulators.features.sampling_params import MOST

@@ -6,16 +6,14 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from graphos_core.features.robust.models import FundamentalModel, HomographyModel
-from graphos_core.features.robust.samplers import ProgressiveSampler, UniformSampler
 
 from graphos_core.cameras import pixel_from_ray, ray_from_pixel
 from graphos_core.data.record import Array
 from graphos_core.features.detectors.sift import SiftParams
-from graphos_core.features.matchers.mutual import MutualParams, mutual
+from graphos_core.features.robust.models import FundamentalModel, HomographyModel
+from graphos_core.features.robust.samplers import ProgressiveSampler, UniformSampler
 from graphos_core.features.robust_scores import COSTS, magsac_loss, msac_loss, ransac_loss, robust_sigma
 from graphos_core.geometry.consensus import samples_needed
-from graphos_core.run import Run
 from graphos_didactic.simulator import Setting
 from graphos_didactic.simulators.features.sampling_params import MOST, SamplingParams
 from graphos_didactic.simulators.pictured_pair import (
@@ -26,13 +24,14 @@ from graphos_didactic.simulators.pictured_pair import (
     PicturedPair,
     SeenPair,
     View,
+    matches_of,
     seen_pair,
     wall_picture,
 )
 
 VIEW = View(tilt=28.0, swing=10.0, aside=20.0, noise=5.0)
 POINTS = SiftParams(maximum=300, reduction=1.0, contrast=0.06)
-LOOSE = MutualParams(ratio=0.97, mutual=False)
+LOOSE = 0.97
 """A ratio test that lets many false matches pass."""
 LMEDS_REACH = 2.5
 """With the median, a match agrees within so many robust standard deviations (Rousseeuw and Leroy 1987)."""
@@ -95,7 +94,7 @@ def simulated(params: SamplingParams) -> Matches:
 
 def matched(pair: SeenPair, count: int) -> Matches:
     """Return SIFT matches of a pictured pair, at most `count`, evenly taken from all."""
-    found = mutual(pair.a, pair.b, LOOSE, run=Run(threads=1))
+    found = matches_of(pair.a, pair.b, LOOSE, both=False)
     known = np.flatnonzero(np.isfinite(pair.photos.true_partner(pair.a.xy[found.matches[:, 0]])).all(axis=1))
     chosen = known[np.linspace(0, max(len(known) - 1, 0), min(count, len(known))).astype(int)]
     i, j = found.matches[chosen].T
