@@ -111,7 +111,7 @@ def build_parser() -> argparse.ArgumentParser:
     add_calibrate(words, _common)
     add_adjust(words, _common)
     add_report(words)
-    add_compare(words)
+    add_compare(words, _common)
 
     add_convert(words)
     words.add_parser("list", help="algorithms by room and role")
@@ -208,7 +208,11 @@ def _dispatch(options: argparse.Namespace) -> int:
 
         return analyse(options)
     if options.word == "compare":
-        return {"runs": adjustment_commands.compare_runs}[options.thing](options)
+        return (
+            commands.compare_features(options)
+            if options.thing == "features"
+            else adjustment_commands.compare_runs(options)
+        )
     function = {
         "adjust": adjustment_commands.adjust,
         "report": adjustment_commands.report,

@@ -257,6 +257,13 @@ def target(options: argparse.Namespace) -> int:
     return calibrate_command.target(options)
 
 
+def compare_features(options: argparse.Namespace) -> int:
+    """``graphos compare features``: algorithms side by side on somebody's photos."""
+    from graphos_core import compare_features_command
+
+    return compare_features_command.compare(options)
+
+
 def demo_folder(options: argparse.Namespace) -> Path:
     """Return the folder of the demo's project."""
     out: Path = options.out or Path("demo")
