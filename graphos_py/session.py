@@ -73,6 +73,7 @@ class Session(QObject):
     message = Signal(str, object)
     bug = Signal(object)
     photos_moved = Signal(object)
+    analysis_changed = Signal()
 
     def __init__(self, jobs: Jobs, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -82,6 +83,7 @@ class Session(QObject):
         self.pipeline: Pipeline | None = None
         self.results: dict[Stage, Any] = {}
         self.failed: dict[Stage, UserError] = {}
+        self.analysis: Any = None
         self.photo = 0
         self.running: Stage | None = None
         self._job: Job | None = None
@@ -164,6 +166,7 @@ class Session(QObject):
     def _opened(self, opened: tuple[Any, Any]) -> None:
         self.photo = 0
         self.results.clear()
+        self.set_analysis(None)
         self._changed(opened)
 
     def _changed(self, opened: tuple[Any, Any]) -> None:
@@ -180,6 +183,11 @@ class Session(QObject):
                 self.message.emit("warning", remark)
         self.states_changed.emit()
         self.load_results()
+
+    def set_analysis(self, analysis: Any) -> None:
+        """Keep the verdicts of the image analyser, `graphos_py.preprocessing.analyser_page.Analysis`, or None."""
+        self.analysis = analysis
+        self.analysis_changed.emit()
 
     # ----------------------------------------------------------------------------------------------- recipe
 

@@ -24,6 +24,9 @@ VERDICTS = {
     "oriented": ("good", "✓", "Oriented."),
     "left out": ("bad", "✕", "Not oriented."),
     "unused": ("muted", "–", "Not used."),
+    "good": ("good", "✓", "Analyser: nothing to remark."),
+    "weak": ("warn", "!", "Analyser: little texture."),
+    "bad": ("bad", "✕", "Analyser: a fault of the photo."),
 }
 
 
@@ -53,6 +56,7 @@ class Thumbnails(QListWidget):
         session.project_changed.connect(self.rebuild)
         session.photo_selected.connect(self._show_photo)
         session.results_changed.connect(self._judge)
+        session.analysis_changed.connect(self._draw_all)
         theme().changed.connect(self._rescale)
         self._rescale()
 
@@ -168,11 +172,17 @@ class Thumbnails(QListWidget):
         result = self._session.results.get("adjustment")
         adjustment = getattr(result, "adjustment", None)
         if not isinstance(adjustment, Adjustment) or name not in adjustment.block.names:
-            return "unknown", ""
+            return self._analysed(name)
         block = adjustment.block
         if block.oriented[block.names.index(name)]:
             return "oriented", ""
         return "left out", next((tr(f.reason) for f in block.failures if f.item == name), "")
+
+    def _analysed(self, name: str) -> tuple[str, str]:
+        """Return the verdict of the image analyser while there is none of the adjustment."""
+        analysis = self._session.analysis
+        found = analysis.of(name) if analysis is not None else None
+        return ("unknown", "") if found is None else (found.verdict, " ".join(tr(r) for r in found.remarks))
 
     # --------------------------------------------------------------------------------------------- reacting
 

@@ -1,48 +1,21 @@
-"""Preprocessing: the selected photo before and after, with a live preview of the present parameters."""
+"""Preprocessing: the selected photo before and after its filters, live; histogram, ways to grey, image analyser."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QTimer
 
-from graphos_core.data import Array, Photo
-from graphos_core.run import Run
-from graphos_py.jobs import ENGINE, Job
+from graphos_core.data import Array
 from graphos_py.tabs.stage_tab import StageTab
 from graphos_py.translation import tr
 
-
-def filtered(photo: Photo, chain: list[tuple[Any, Any]], run: Run) -> tuple[Array, Array | None]:
-    """Read a photo and apply a chain of filters to it; uint8 before and after, None without filters."""
-    from graphos_core.images import read_pixels
-    from graphos_core.preprocessing.grey import eight_bit
-
-    pixels = read_pixels(photo)
-    image = pixels
-    for algorithm, params in chain:
-        run.check()
-        image = algorithm.function(image, params, run=run)
-    return eight_bit(pixels), eight_bit(image) if chain else None
-
-
-def stored(photo: Photo, file: Path) -> tuple[Array, Array | None]:
-    """Read a photo and its stored result; uint8."""
-    import cv2
-
-    from graphos_core.images import read_pixels
-    from graphos_core.preprocessing.grey import eight_bit
-
-    after = cv2.imdecode(np.fromfile(file, dtype=np.uint8), cv2.IMREAD_UNCHANGED)
-    if after is not None and after.ndim == 3:
-        after = cv2.cvtColor(after, cv2.COLOR_BGR2RGB)
-    return eight_bit(read_pixels(photo)), after
+VIEW, HISTOGRAM, GREY, ANALYSER = 0, 1, 2, 3
 
 
 class PreprocessingTab(StageTab):
-    """Before and after with a divider; what is seen right of it are always the parameters of the form."""
+    """What is seen as "after" are always the parameters of the form, filtered only where somebody looks."""
 
     stage = "preprocessing"
     empty = (
@@ -54,12 +27,10 @@ class PreprocessingTab(StageTab):
 
     def __init__(self, session: Any, level: Any = "student") -> None:
         super().__init__(session, level)
-        self._job: Job | None = None
-        self._again = False
-        self._later = QTimer(self, singleShot=True, interval=200)
-        self._later.timeout.connect(self._preview)
         session.recipe_changed.connect(self._form_changed)
-        session.run_changed.connect(self._later.start)
+        session.run_changed.connect(self._ask)
+        self._counting = QTimer(self, singleShot=True, interval=60)
+        self._counting.timeout.connect(self._draw_histogram)
 
     @property
     def keeps_views(self) -> bool:
@@ -67,66 +38,75 @@ class PreprocessingTab(StageTab):
         return self.session.project is not None
 
     def make_views(self) -> None:
-        """One image view."""
-        from graphos_py.views.image_view import ImageView
+        """Preview, histogram, ways to grey, analyser."""
+        from graphos_py.preprocessing.analyser_page import AnalyserPage
+        from graphos_py.preprocessing.filter_view import FilterView
+        from graphos_py.preprocessing.grey_page import GreyPage
+        from graphos_py.preprocessing.live_preview import LivePreview
+        from graphos_py.views.plot_view import PlotView
 
-        self.image = ImageView()
+        self.image = FilterView()
+        self.live = LivePreview(self.session, self.image.seen, self)
+        self.live.opened.connect(self.image.set_photo)
+        self.live.shown.connect(self._show)
+        self.image.piece_wanted.connect(self.live.ask)
+        self.histogram = PlotView()
+        self.grey = GreyPage(self.session)
+        self.analyser = AnalyserPage(self.session)
         self.add_view(self.image, "Before and after")
+        self.add_view(self.histogram, "Histogram")
+        self.add_view(self.grey, "Ways to grey")
+        self.add_view(self.analyser, "Analyser")
 
     def refresh(self) -> None:
         """Show forms and preview."""
         super().refresh()
-        if self._made and self.isVisible():
-            self._later.start()
+        self._ask()
 
     def show_result(self, result: Any) -> None:
         """Show the preview, which equals the result when nothing was changed."""
-        self._later.start()
+        self._ask()
 
     def show_photo(self, index: int) -> None:
         """Preview another photo."""
-        self._later.start()
+        self._ask()
+
+    def view_shown(self, index: int) -> None:
+        """Draw the histogram when it is seen."""
+        if index == HISTOGRAM:
+            self._counting.start()
 
     def _form_changed(self, stage: str) -> None:
         if stage == self.stage:
-            self._later.start()
+            self._ask()
 
-    def _preview(self) -> None:
-        session = self.session
-        if session.project is None or session.recipe is None or not self._made or not self.isVisible():
+    def _ask(self) -> None:
+        project = self.session.project
+        if project is None or not self._made or not self.isVisible():
             return
-        if self._job is not None:
-            self._job.stop()
-            self._again = True
-            return
-        photos = session.project.photo_set.photos
-        if session.photo >= len(photos):
-            return
-        photo = photos[session.photo]
-        chain = session.recipe.algorithms("preprocessing", "filter")
-        done = session.pipeline is not None and session.pipeline.state("preprocessing").status == "done"
-        files = getattr(self.result, "files", ()) if done else ()
-        if files and session.photo < len(files):
-            file = Path(files[session.photo])
-            job = Job(lambda run: stored(photo, file), name="stored", engine=False)
-        elif session.running is not None or ENGINE.locked():
-            job = Job(lambda run: filtered(photo, [], run), name="photo", engine=False)
-        else:
-            job = Job(lambda run: filtered(photo, chain, run), name="preview", seed=session.recipe.seed)
-        job.succeeded.connect(self._show)
-        job.failed.connect(session.tell)
-        job.finished.connect(self._over)
-        self._job = session.jobs.start(job)
+        photos = project.photo_set.photos
+        if self.session.photo < len(photos):
+            self.live.open(photos[self.session.photo])
 
-    def _show(self, pictures: tuple[Array, Array | None]) -> None:
-        before, after = pictures
-        if after is None:
-            self.image.set_image(before, keep_view=True)
-        else:
-            self.image.compare(before, after, (tr("before"), tr("after")))
+    def _show(self, pieces: list[Any], filtered: bool) -> None:
+        self.image.show_pieces(pieces, filtered)
+        if self.views.currentIndex() == HISTOGRAM:
+            self._counting.start()
 
-    def _over(self) -> None:
-        self._job = None
-        if self._again:
-            self._again = False
-            self._later.start()
+    def _draw_histogram(self) -> None:
+        piece = self.image.piece_seen()
+        if piece is None:
+            return
+        series = {tr("before"): _shares(piece.before)}
+        if self.image.filtered:
+            series[tr("after")] = _shares(piece.after)
+        self.histogram.show_lines(
+            np.arange(256.0), series, tr("grey value"), tr("share of the pixels seen"), "", "%"
+        )
+
+
+def _shares(image: Array) -> Array:
+    from graphos_core.preprocessing.grey import luma
+
+    counts = np.bincount(np.ascontiguousarray(luma(image)).ravel(), minlength=256)
+    return 100.0 * counts / max(1, counts.sum())

@@ -81,6 +81,11 @@ class PixelCanvas(QWidget):
             self.fit()
         self.update()
 
+    def share(self, other: PixelCanvas) -> None:
+        """Show the picture of another canvas, kept once for both."""
+        self.array, self._levels, self._second = other.array, other._levels, []
+        self.fit()
+
     def set_second(self, image: Array | None) -> None:
         """Show another picture of the same size right of the divider at `split` (share of the width)."""
         self._second = [] if image is None else _levels(image)
