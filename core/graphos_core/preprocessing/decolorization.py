@@ -209,10 +209,15 @@ def fit_weights(image: Array, params: DecolorParams, run: Run) -> Array:
     return weights
 
 
+def cielab(image: Array) -> Array:
+    """Return CIELAB of an sRGB image uint8 (h, w, 3), float32 (h, w, 3): L from 0 to 100, a and b alike in size."""
+    return cv2.cvtColor(image.astype(np.float32) / np.float32(255.0), cv2.COLOR_RGB2LAB)
+
+
 def _differences(image: Array) -> tuple[Array, Array, Array]:
     """Differences of the monomials (p, 9), signed colour differences (p,), and whether the sign is known (p,)."""
     rgb = image.astype(np.float32) / np.float32(255.0)
-    lab = cv2.cvtColor(rgb, cv2.COLOR_RGB2LAB).astype(np.float64) / LAB_RANGE
+    lab = cielab(image).astype(np.float64) / LAB_RANGE
     r, g, b = (rgb[:, :, channel].astype(np.float64) for channel in range(3))
     monomials = np.stack([r, g, b, r * g, r * b, g * b, r * r, g * g, b * b], axis=2)
     slopes, colours = (_neighbours(values) for values in (monomials, lab))

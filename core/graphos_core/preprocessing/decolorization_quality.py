@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 
 from graphos_core.data import Array, record
+from graphos_core.preprocessing.decolorization import cielab
 from graphos_core.preprocessing.grey import eight_bit
 
 PIXELS = 60_000
@@ -60,7 +61,9 @@ class DecolorizationQuality:
         return ccpr, ccfr, e_score
 
 
-def decolorization_quality(colour: Array, grey: Array, seed: int = 0) -> DecolorizationQuality:
+def decolorization_quality(
+    colour: Array, grey: Array, seed: int = 0, pairs: int = PAIRS
+) -> DecolorizationQuality:
     r"""Compare the contrast of pixel pairs in colour and in grey.
 
     With the CIELAB distance δ and the grey difference d of a pair (d in L units),
@@ -78,6 +81,8 @@ def decolorization_quality(colour: Array, grey: Array, seed: int = 0) -> Decolor
     colour : uint8 or uint16 (h, w, 3) RGB
     grey : uint8 (h, w)
     seed : int
+    pairs : int
+        How many pairs are drawn.
 
     Returns
     -------
@@ -86,9 +91,9 @@ def decolorization_quality(colour: Array, grey: Array, seed: int = 0) -> Decolor
     factor = max(1.0, math.sqrt(grey.size / PIXELS))
     size = (max(1, round(grey.shape[1] / factor)), max(1, round(grey.shape[0] / factor)))
     small = cv2.resize(eight_bit(colour), size, interpolation=cv2.INTER_AREA)
-    lab = cv2.cvtColor(small.astype(np.float32) / np.float32(255.0), cv2.COLOR_RGB2LAB).reshape(-1, 3)
+    lab = cielab(small).reshape(-1, 3)
     level = cv2.resize(grey.astype(np.float32), size, interpolation=cv2.INTER_AREA).ravel()
-    first, second = np.random.default_rng(seed).integers(0, len(level), (2, PAIRS))
+    first, second = np.random.default_rng(seed).integers(0, len(level), (2, pairs))
     in_colour = np.sqrt(((lab[first] - lab[second]) ** 2).sum(axis=1))
     in_grey = np.abs(level[first] - level[second]) * np.float32(100.0 / 255.0)
     ccpr, ccfr = np.full(len(THRESHOLDS), np.nan), np.full(len(THRESHOLDS), np.nan)
@@ -100,4 +105,4 @@ def decolorization_quality(colour: Array, grey: Array, seed: int = 0) -> Decolor
             ccfr[i] = 1.0 - float((in_colour[seen] <= tau).mean())
     both = ccpr + ccfr
     e_score = np.where(both > 0, 2.0 * ccpr * ccfr / np.where(both > 0, both, 1.0), both)
-    return DecolorizationQuality(thresholds=THRESHOLDS, ccpr=ccpr, ccfr=ccfr, e_score=e_score, pairs=PAIRS)
+    return DecolorizationQuality(thresholds=THRESHOLDS, ccpr=ccpr, ccfr=ccfr, e_score=e_score, pairs=pairs)
