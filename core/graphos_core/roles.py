@@ -107,7 +107,8 @@ class Filter(Protocol):
 class Detector(Protocol):
     """Grey photo uint8 (h, w), and the colour one for `Features.colour`, to features.
 
-    `mask` is bool (h, w), True where points may be; None: everywhere.
+    `mask` is bool (h, w), True where points may be; None: everywhere. An algorithm that has the keyword ``name: str``
+    is also handed the name of the photo.
     """
 
     def __call__(
@@ -124,7 +125,11 @@ class PairSelector(Protocol):
 
 
 class Matcher(Protocol):
-    """Features of two photos to candidate matches."""
+    """Features of two photos to candidate matches.
+
+    An algorithm that has the keyword ``given: GivenPair | None`` is also handed the orientation of both photos in the one
+    given with the project, one with the keyword ``names: tuple[str, str]`` their names.
+    """
 
     def __call__(self, a: Features, b: Features, params: Any, *, run: Run) -> Candidates: ...
 

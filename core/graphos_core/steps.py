@@ -6,7 +6,6 @@ A stage (a room) has one to three steps, so changing a parameter repeats only wh
 from __future__ import annotations
 
 import hashlib
-import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
@@ -15,14 +14,14 @@ from typing import TYPE_CHECKING, Any
 
 from graphos_core.data import Block, Cloud, Features, Finding
 from graphos_core.errors import UserError
+from graphos_core.matching_inputs import given_for_matching, keypoints_key, matches_key, takes
 from graphos_core.number_format import format_value
 from graphos_core.project_file import KNOWN
-from graphos_core.registry import Algorithm, Stage
+from graphos_core.registry import Stage
 from graphos_core.run import Run
 from graphos_core.seen_photos import (
     SeenMasks,
     block_reader,
-    cameras_key,
     given_as_seen,
     photo_grey_and_colour,
     pointless_warnings,
@@ -78,7 +77,7 @@ def _keypoints(pipeline: Pipeline, folder: Path, run: Run) -> tuple[Features, ..
     algorithm, params = pipeline.recipe.algorithm("features", "detector")
     names, masks = [photo.name for photo in pipeline.photos.photos], SeenMasks(pipeline)
     read = partial(photo_grey_and_colour, pipeline)
-    found = tuple(detect_all(len(names), read, algorithm, params, run, masks))
+    found = tuple(detect_all(len(names), read, algorithm, params, run, masks, names))
     empty = [name for name, features in zip(names, found, strict=True) if len(features.xy) == 0]
     for warning in pointless_warnings(empty, masks.covered):
         run.warn(warning)
@@ -102,38 +101,30 @@ def _matches(pipeline: Pipeline, folder: Path, run: Run) -> Any:
     from graphos_core.features.stage import match_all
     from graphos_core.results import FeaturesResult
 
-    photos = pipeline.photos
+    photos, given = pipeline.photos, given_for_matching(pipeline)
     features: tuple[Features, ...] = pipeline.value("keypoints")
     cameras = [photos.cameras[p.camera] for p in photos.photos]
     pairs = match_all(
         features, cameras, pipeline.recipe.algorithm("features", "matcher"),
         pipeline.recipe.algorithm("features", "verification"), run, pipeline.value("pairs").pairs.tolist(),
-        pipeline.recipe.algorithm("features", "thinning"),
+        pipeline.recipe.algorithm("features", "thinning"), given, [photo.name for photo in photos.photos],
     )  # fmt: skip
     builder, params = pipeline.recipe.algorithm("features", "tracks")
     tracks = builder.function(features, pairs, params, run=run)
     return FeaturesResult(features=(), pairs=tuple(pairs), tracks=tracks)
 
 
-def _cameras(pipeline: Pipeline) -> Any:
-    return cameras_key(pipeline.photos)
-
-
 def _orientation(pipeline: Pipeline, folder: Path, run: Run) -> Block:
     algorithm, params = pipeline.recipe.algorithm("adjustment", "orientation")
     matched = pipeline.value("matches")
-    more = {"given": given_as_seen(pipeline)} if _takes(algorithm, "given") else {}
+    more = {"given": given_as_seen(pipeline)} if takes(algorithm, "given") else {}
     block: Block = algorithm.function(pipeline.photos, matched.tracks, matched.pairs, params, run=run, **more)
     return block
 
 
-def _takes(algorithm: Algorithm, keyword: str) -> bool:
-    return keyword in inspect.signature(algorithm.function).parameters
-
-
 def _given(pipeline: Pipeline) -> Any:
     algorithm, _ = pipeline.recipe.algorithm("adjustment", "orientation")
-    return pipeline.project.settings.orientation if _takes(algorithm, "given") else None
+    return pipeline.project.settings.orientation if takes(algorithm, "given") else None
 
 
 def _georeference(pipeline: Pipeline, folder: Path, run: Run) -> Any:
@@ -186,7 +177,7 @@ def _known(pipeline: Pipeline) -> Any:
 def _depth(pipeline: Pipeline, folder: Path, run: Run) -> Any:
     algorithm, params = pipeline.recipe.algorithm("dense", "depth")
     block = pipeline.value("adjustment").adjustment.block
-    more = {"mask": SeenMasks(pipeline)} if _takes(algorithm, "mask") else {}
+    more = {"mask": SeenMasks(pipeline)} if takes(algorithm, "mask") else {}
     return tuple(algorithm.function(block, block_reader(pipeline.photos), params, run=run, **more))
 
 
@@ -259,11 +250,11 @@ STEPS: dict[str, Step] = {
     for step in (
         Step("images", "preprocessing", "", ("undistortion", "filter"), _images, _images_line, undistortion_key),
         Step("keypoints", "features", "images", ("detector",), _keypoints,
-             lambda v: Text("{n} keypoints", n=_count(sum(len(f.xy) for f in v))), seen_masks_key),
+             lambda v: Text("{n} keypoints", n=_count(sum(len(f.xy) for f in v))), keypoints_key),
         Step("pairs", "features", "keypoints", ("pairs",), _pairs,
              lambda v: Text("{n} of {total} pairs", n=_count(len(v.pairs)), total=_count(v.possible)), _positions),
         Step("matches", "features", "pairs", ("matcher", "verification", "thinning", "tracks"), _matches,
-             _features_line, _cameras),
+             _features_line, matches_key),
         Step("orientation", "adjustment", "matches", ("orientation",), _orientation,
              lambda v: Text("{n} of {total} photos oriented", n=int(v.oriented.sum()), total=len(v.names)), _given),
         Step("georeference", "adjustment", "orientation", ("georeferencing",), _georeference,

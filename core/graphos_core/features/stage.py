@@ -7,11 +7,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import combinations
+from typing import Any
 
 import cv2
 from threadpoolctl import threadpool_limits
 
-from graphos_core.data import Array, Camera, Features, PairMatches
+from graphos_core.data import Array, Block, Camera, Features, PairMatches
+from graphos_core.features.given_pair import given_pair
 from graphos_core.params import Params
 from graphos_core.registry import Algorithm
 from graphos_core.run import Run, each, map_items
@@ -33,6 +35,7 @@ def detect_all(
     params: Params,
     run: Run,
     mask: MaskReader = lambda index: None,
+    names: Sequence[str] = (),
 ) -> list[Features]:
     """Find the features of all photos.
 
@@ -52,6 +55,8 @@ def detect_all(
     run : Run
     mask : callable, optional
         Reads the mask of photo i.
+    names : sequence of str, optional
+        Of the photos; handed to a detector that has the keyword ``name``.
 
     Raises
     ------
@@ -65,7 +70,8 @@ def detect_all(
         for index in each(run, range(count), "photos"):
             grey, colour = read(index)
             run.check()
-            found.append(detector.function(grey, colour, params, run=run, mask=mask(index)))
+            more = {"name": names[index]} if takes(detector, "name") else {}
+            found.append(detector.function(grey, colour, params, run=run, mask=mask(index), **more))
             run.show("features", (index, found[-1]))
         return found
     finally:
@@ -80,6 +86,8 @@ def match_all(
     run: Run,
     pairs: Sequence[Sequence[int]] | None = None,
     thinning: Choice | None = None,
+    given: Block | None = None,
+    names: Sequence[str] = (),
 ) -> list[PairMatches]:
     """Match and verify pairs of photos.
 
@@ -99,6 +107,10 @@ def match_all(
         All pairs by default.
     thinning : (Algorithm, Params), optional
         Every verified match is kept by default.
+    given : Block, optional
+        Orientation of an earlier result, for a matcher that has the keyword ``given``.
+    names : sequence of str, optional
+        Of the photos: they find the photos in `given`, and are handed to a matcher that has the keyword ``names``.
 
     Returns
     -------
@@ -113,7 +125,7 @@ def match_all(
     todo = list(combinations(range(len(features)), 2)) if pairs is None else [(a, b) for a, b in pairs]
     task = partial(
         _match_pair, features=features, cameras=cameras, matcher=matcher, verification=verification,
-        thinning=thinning, run=run,
+        thinning=thinning, run=run, given=given, names=names,
     )  # fmt: skip
     with threadpool_limits(1, "blas"):
         return map_items(run, task, todo, "pairs")
@@ -127,16 +139,23 @@ def _match_pair(
     verification: Choice,
     thinning: Choice | None,
     run: Run,
+    given: Block | None,
+    names: Sequence[str],
 ) -> PairMatches:
     a, b = features[index[0]], features[index[1]]
     both = (cameras[index[0]], cameras[index[1]])
     run.check()
-    candidates = matcher[0].function(a, b, matcher[1], run=run)
+    more: dict[str, Any] = {}
+    if takes(matcher[0], "given"):
+        more["given"] = given_pair(given, names, index)
+    if takes(matcher[0], "names"):
+        more["names"] = (names[index[0]], names[index[1]])
+    candidates = matcher[0].function(a, b, matcher[1], run=run, **more)
     run.check()
     verified: PairMatches = verification[0].function(index, a, b, candidates, both, verification[1], run=run)
     steps = (*candidates.steps, ("verified", len(verified.matches)))
     if thinning is not None and not verified.reason:
-        more = {"cameras": both} if _takes(thinning[0], "cameras") else {}
+        more = {"cameras": both} if takes(thinning[0], "cameras") else {}
         verified = thinning[0].function(verified, a, b, thinning[1], run=run, **more)
         steps = (*steps, ("kept", len(verified.matches)))
     verified = replace(verified, steps=steps)
@@ -144,6 +163,6 @@ def _match_pair(
     return verified
 
 
-def _takes(algorithm: Algorithm, keyword: str) -> bool:
+def takes(algorithm: Algorithm, keyword: str) -> bool:
     """Say whether an algorithm's function has a keyword."""
     return keyword in inspect.signature(algorithm.function).parameters

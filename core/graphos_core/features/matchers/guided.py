@@ -8,6 +8,7 @@ import numpy as np
 
 from graphos_core.data import Array, Candidates, Features
 from graphos_core.features.given_pair import GivenPair
+from graphos_core.features.matchers.hamming import words_of
 from graphos_core.features.matchers.hamming_kernels import half_squares
 from graphos_core.features.matchers.kernels import scan_rows
 from graphos_core.features.matchers.mutual import MutualParams, mutual
@@ -120,7 +121,7 @@ class _Similarity:
     def __init__(self, a: Array, b: Array, metric: str) -> None:
         self._binary = metric == "hamming"
         if self._binary:
-            self._left, right = (_words(side) for side in (a, b))
+            self._left, right = (words_of(side) for side in (a, b))
             self._right = np.ascontiguousarray(right.T)
             return
         values = [side.astype(np.float32) for side in (a, b)]
@@ -136,10 +137,3 @@ class _Similarity:
         scores = np.empty((len(left), self._right.shape[1]), np.float32)
         half_squares(left, self._right, scores)
         return scores
-
-
-def _words(descriptors: Array) -> Array:
-    size = -(-descriptors.shape[1] // 4) * 4
-    padded = np.zeros((len(descriptors), size), np.uint8)
-    padded[:, : descriptors.shape[1]] = descriptors
-    return padded.view(np.uint32)

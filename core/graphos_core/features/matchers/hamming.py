@@ -31,7 +31,7 @@ def nearest_two_binary(a: Array, b: Array) -> tuple[Nearest, Nearest]:
         −½ h² of the nearest and of the second nearest (−∞ where there is no second), and the index of the nearest.
     """
     n, m = len(a), len(b)
-    left, right = _words(a), np.ascontiguousarray(_words(b).T)
+    left, right = words_of(a), np.ascontiguousarray(words_of(b).T)
     row = (np.empty(n, np.float32), np.empty(n, np.float32), np.empty(n, np.int32))
     column = (
         np.full(m, -np.inf, np.float32),
@@ -47,7 +47,7 @@ def nearest_two_binary(a: Array, b: Array) -> tuple[Nearest, Nearest]:
     return row, column
 
 
-def _words(descriptors: Array) -> Array:
+def words_of(descriptors: Array) -> Array:
     """Return the descriptors as uint32 (n, ceil(d / 4)); missing bytes are zero in both photos and never differ."""
     n, size = descriptors.shape
     padded = np.zeros((n, -(-size // 4) * 4), np.uint8)

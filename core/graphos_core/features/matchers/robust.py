@@ -38,7 +38,7 @@ class RobustParams(MutualParams):
             learn=LESSON,
             level="novice",
         ),
-    ] = 0.9
+    ] = 0.8
     distance: Annotated[
         Literal["l2", "hellinger", "bhattacharyya"],
         About(
@@ -104,12 +104,17 @@ def robust(a: Features, b: Features, params: RobustParams, *, run: Run) -> Candi
     return candidates_of(row, np.flatnonzero(passed), steps)
 
 
-def described_neighbours(a: Features, b: Features, distance: str, rooted: bool) -> tuple[Neighbours, Neighbours]:
+def described_neighbours(
+    a: Features, b: Features, distance: str, rooted: bool
+) -> tuple[Neighbours, Neighbours]:
     """Return the neighbours of both photos by a distance of their descriptors."""
     if a.metric == "hamming" or distance == "l2":
         return exact_neighbours(a.descriptors, b.descriptors, a.metric)
     sides = exact_neighbours(unit_roots(a.descriptors, rooted), unit_roots(b.descriptors, rooted), "l2")
-    row, column = (Neighbours(*(histogram_distance(d, distance) for d in (s.first, s.second)), s.index) for s in sides)
+    row, column = (
+        Neighbours(histogram_distance(s.first, distance), histogram_distance(s.second, distance), s.index)
+        for s in sides
+    )
     return row, column
 
 
