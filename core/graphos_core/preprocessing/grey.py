@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 import cv2
 import numpy as np
 
+from graphos_core.bands import visible
 from graphos_core.data import Array
 from graphos_core.params import About, Params
 from graphos_core.preprocessing.parts import Place, partwise
@@ -85,21 +86,27 @@ def grey(image: Array, params: GreyParams, *, run: Run) -> Array:
 
 
 def luma(image: Array) -> Array:
-    """Return ``0.299 R + 0.587 G + 0.114 B`` of an RGB image (h, w, 3) in its own bit depth; grey stays grey."""
+    """Return ``0.299 R + 0.587 G + 0.114 B`` of an RGB image (h, w, 3) in its own bit depth; grey stays grey.
+
+    Of other numbers of bands that of their false colours, see `graphos_core.bands`.
+    """
+    image = visible(image)
     return image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
 
 
 def eight_bit(image: Array, levels: tuple[int, int] | None = None) -> Array:
-    """Return 8-bit pixels; 16 bit is stretched so that its 0.1 % and 99.9 % quantiles become 0 and 255.
+    """Return 8-bit pixels, grey or RGB; 16 bit is stretched so that its 0.1 % and 99.9 % quantiles become 0 and 255.
 
-    The quantiles are of all channels together, so colours keep their hue. 8 bit is returned as it is.
+    The quantiles are of all channels together, so colours keep their hue. 8 bit is returned as it is. Of many bands the
+    false colours are returned, see `graphos_core.bands`: a filter that knows no bands sees what people see.
 
     Parameters
     ----------
-    image : uint8 or uint16 (h, w) or (h, w, 3)
+    image : uint8 or uint16 (h, w), (h, w, 3) or (h, w, n)
     levels : (int, int), optional
         The values that become 0 and 255 instead, where `image` is a piece of a larger photo.
     """
+    image = visible(image)
     if image.dtype == np.uint8:
         return image
     low, high = stretch_range(image) if levels is None else levels
@@ -109,6 +116,6 @@ def eight_bit(image: Array, levels: tuple[int, int] | None = None) -> Array:
 
 def stretch_range(image: Array) -> tuple[int, int]:
     """Return the values of a uint16 image between which it is stretched, the second larger than the first."""
-    below = np.cumsum(np.bincount(image.ravel(), minlength=65536))
+    below = np.cumsum(np.bincount(visible(image).ravel(), minlength=65536))
     low, high = np.searchsorted(below, [share * below[-1] for share in STRETCH_SHARES])
     return int(low), max(int(high), int(low) + 1)

@@ -13,6 +13,7 @@ from PIL import Image, ImageOps
 from graphos_core.bands import visible
 from graphos_core.data import Photo
 from graphos_core.images import read_photo_set, read_pixels, read_shown
+from graphos_core.registry import Algorithm, algorithms
 from graphos_core.run import Run
 
 RUN = Run(threads=2)
@@ -217,3 +218,14 @@ def test_fifty_million_pixels_of_one_colour_are_read(tmp_path: Path) -> None:
     pixels = read_pixels(photo)
     assert pixels.shape == (5773, 8661) and pixels.min() == pixels.max() == 77
     assert hashlib.sha256((tmp_path / "large.png").read_bytes()).digest() == before
+
+
+@pytest.mark.parametrize("algorithm", algorithms("preprocessing", "filter"), ids=lambda a: a.name)
+def test_every_filter_takes_any_number_of_bands_and_gives_grey_or_rgb(algorithm: Algorithm) -> None:
+    rng = np.random.default_rng(0)
+    for bands in (0, 2, 3, 4, 5):
+        for dtype in (np.uint8, np.uint16):
+            shape = (40, 56, bands) if bands else (40, 56)
+            image = rng.integers(0, np.iinfo(dtype).max, shape).astype(dtype)
+            found = algorithm.function(image, algorithm.params(), run=RUN)
+            assert found.dtype == np.uint8 and found.shape in ((40, 56), (40, 56, 3)), (bands, dtype)
