@@ -24,6 +24,7 @@ class FeaturesTab(StageTab):
 
     def make_views(self) -> None:
         """Make all pages; each fills itself when it is seen."""
+        from graphos_py.features.compare_page import ComparePage
         from graphos_py.features.coverage_page import CoveragePage
         from graphos_py.features.descriptor_page import DescriptorPage
         from graphos_py.features.graph_page import GraphPage
@@ -38,6 +39,7 @@ class FeaturesTab(StageTab):
         self.coverage = CoveragePage(self.session)
         self.graph = GraphPage(self.session)
         self.numbers = NumbersPage(self.session)
+        self.comparing = ComparePage(self.session)
         self.keypoints.keypoint_chosen.connect(self.descriptor.choose)
         self.keypoints.descriptor_wanted.connect(self._show_descriptor)
         self.descriptor.keypoint_chosen.connect(self.keypoints.choose)
@@ -45,6 +47,7 @@ class FeaturesTab(StageTab):
         self.graph.pair_chosen.connect(self._show_pair)
         self.pages: list[ResultPage] = [
             self.keypoints, self.descriptor, self.matching, self.coverage, self.graph, self.numbers,
+            self.comparing,
         ]  # fmt: skip
         for page in self.pages:
             page.photo_wanted.connect(self.session.select_photo)

@@ -30,7 +30,7 @@ class Look:
 
 
 LIGHT = Look("#1d2430", "#ffffff", "#dfe3e9", "#8a93a0")
-DARK = Look("#e6e9ee", "#1d2127", "#3a414c", "#8a93a0")
+DARK = Look("#e7e9ec", "#15171b", "#323843", "#8a93a0")
 
 
 def bars(comparison: FeatureComparison, look: Look = LIGHT) -> Any:

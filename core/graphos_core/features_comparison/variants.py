@@ -51,7 +51,9 @@ def detectors() -> list[str]:
     return [algorithm.name for algorithm in registry.algorithms("features", "detector")]
 
 
-def variants(names: Sequence[str], assignments: Sequence[str] = (), seed: int = 0) -> tuple[Variant, ...]:
+def variants(
+    names: Sequence[str], assignments: Sequence[str] = (), seed: int = 0, base: Recipe | None = None
+) -> tuple[Variant, ...]:
     """Return what is compared: every detector with every combination of values.
 
     Parameters
@@ -64,6 +66,8 @@ def variants(names: Sequence[str], assignments: Sequence[str] = (), seed: int = 
         Values are separated by commas, the two numbers of a pair by a semicolon, filters of one chain by ``+``.
     seed : int
         Of the recipe.
+    base : Recipe, optional
+        Choices and parameters where nothing is assigned; the default recipe without it.
 
     Raises
     ------
@@ -82,7 +86,8 @@ def variants(names: Sequence[str], assignments: Sequence[str] = (), seed: int = 
             raise UserError(unknown_name(name, detectors(), "detector"))
     split = [_split(assignment) for assignment in assignments]
     used: set[str] = set()
-    found = [variant for name in names for variant in _of_detector(name, split, seed, used)]
+    base = (base or Recipe.default()).with_seed(seed)
+    found = [variant for name in names for variant in _of_detector(name, split, base, used)]
     for path, _ in split:
         if path not in used:
             raise UserError(
@@ -105,10 +110,10 @@ def _split(assignment: str) -> tuple[str, tuple[str, ...]]:
 
 
 def _of_detector(
-    name: str, split: Sequence[tuple[str, tuple[str, ...]]], seed: int, used: set[str]
+    name: str, split: Sequence[tuple[str, tuple[str, ...]]], base: Recipe, used: set[str]
 ) -> list[Variant]:
     """Return the rows of one detector; `used` collects the assignments that concern it."""
-    base = Recipe.default(seed).choose("features", "detector", name)
+    base = base.choose("features", "detector", name)
     choices = [item for item in split if item[0].count(".") == 1]
     sheets = [item for item in split if item[0].count(".") == 2]
     found = []
