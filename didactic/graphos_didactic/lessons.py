@@ -13,11 +13,12 @@ A lesson ``resources/graphos_resources/lessons/ROOM/NAME.md`` begins with a head
     values = { window = 101 }
     +++
 
-In the text ``$…$`` is a formula, and three directives stand for what the program itself knows:
+In the text ``$…$`` is a formula, and these directives stand for what the program itself knows:
 
 - ``{{preprocessing.wallis.window}}``: default of a parameter with its unit; with ``.range`` its range;
 - ``:::parameters preprocessing.wallis``: table of the parameters;
 - ``:::picture adjustment/intersection PRESET`` or ``… a_x=-3 b_x=3``: the scene of a simulator, drawn by the engine;
+- ``:::filtered clahe clip=4``: a difficult photo before and after a filter, drawn by the engine;
 - ``:::camera fraser``: formula, direction and parameters of a camera model.
 
 What there is to try are parameters of the algorithm; with ``simulator = true``, or in a lesson without an algorithm, those
@@ -39,6 +40,9 @@ from graphos_core.errors import UserError
 from graphos_core.params import Declaration, Params, unknown_name
 from graphos_core.registry import STAGES, find
 from graphos_core.text import Text
+
+FILTER = "filter"
+"""Stands for a simulator in the address of a picture of a filter."""
 
 HEAD = re.compile(r"\A\+\+\+\n(.*?)\n\+\+\+\n", re.DOTALL)
 DIRECTIVE = re.compile(r"^:::(\w+) +(.+)$", re.MULTILINE)
@@ -101,7 +105,8 @@ class Lesson:
         ----------
         picture : callable
             ``picture(simulator, what)`` returns the address of the picture for the Markdown; `what` is read by
-            `Simulator.described`.
+            `Simulator.described`, or by `graphos_didactic.filter_pictures.filter_scene` where the simulator is called
+            ``"filter"``.
         """
 
         def block(found: re.Match[str]) -> str:
@@ -112,6 +117,8 @@ class Lesson:
                 return camera_table(words[0])
             if found[1] == "picture":
                 return f"![{self.title}]({picture(words[0], ','.join(words[1:]))})"
+            if found[1] == "filtered":
+                return f"![{self.title}]({picture(FILTER, ','.join(words))})"
             raise UserError(
                 Text("The lesson {name} has an unknown directive “{word}”.", name=self.name, word=found[1])
             )

@@ -114,6 +114,8 @@ class FilterView(QWidget):
         self.looks = QuietCombo()
         for look, label in LOOKS.items():
             self.looks.addItem(tr(label), look)
+        self.looks.setSizeAdjustPolicy(QuietCombo.SizeAdjustPolicy.AdjustToContents)
+        self.looks.setMinimumContentsLength(max(len(tr(label)) for label in LOOKS.values()))
         self.looks.activated.connect(lambda index: self.set_look(self.looks.itemData(index)))
         row.addWidget(self.looks)
         row.addStretch(1)

@@ -201,6 +201,8 @@ class LessonView(QTextBrowser):
         wanted = ["picture:" + part.partition('"')[0] for part in parts]
 
         def work(run: Run) -> dict[str, Any]:
+            from graphos_didactic.filter_pictures import filter_scene
+            from graphos_didactic.lessons import FILTER
             from graphos_didactic.scene_svg import scene_svg
             from graphos_didactic.simulator import find_simulator
 
@@ -208,8 +210,11 @@ class LessonView(QTextBrowser):
             for address in wanted:
                 run.check()
                 key, _, preset = address.partition(":")[2].partition("#")
-                simulator = find_simulator(key)
-                found[address] = simulator.scene(simulator.described(preset))
+                if key == FILTER:
+                    found[address] = filter_scene(preset)
+                else:
+                    simulator = find_simulator(key)
+                    found[address] = simulator.scene(simulator.described(preset))
                 scene_svg(found[address])  # sets the formulas here, so that the window need not wait for them
             return found
 

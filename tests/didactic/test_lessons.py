@@ -16,7 +16,9 @@ from graphos_core.cameras.model import camera_models
 from graphos_core.errors import GraphosError, UserError
 from graphos_core.registry import STAGES, algorithms, find
 from graphos_didactic.explain import camera_lesson, explain_algorithm, explain_parameter, lesson_about
+from graphos_didactic.filter_pictures import filter_scene
 from graphos_didactic.lessons import (
+    FILTER,
     NUMBER,
     Lesson,
     camera_table,
@@ -78,7 +80,10 @@ def test_a_lesson_has_what_a_lesson_needs(name: str) -> None:
 @pytest.mark.parametrize("name", ALL)
 def test_every_directive_of_a_lesson_is_known(name: str) -> None:
     def picture(simulator: str, preset: str) -> str:
-        find_simulator(simulator).described(preset)
+        if simulator == FILTER:
+            assert filter_scene(preset).panel("after")
+        else:
+            find_simulator(simulator).described(preset)
         return "picture"
 
     text = find_lesson(name).markdown(picture)
