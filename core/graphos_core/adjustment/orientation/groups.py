@@ -47,7 +47,7 @@ def groups_of(photos: PhotoSet, pairs: Sequence[PairMatches]) -> list[tuple[int,
 def _why_unconnected(pairs: Sequence[PairMatches]) -> Text:
     """Say that no pair is verified, and what the pair with most candidates lacked."""
     if not pairs:
-        return Text("No two photos have points that could be matched.")
+        return Text("No two photos have verified matches in common; there was no pair with points to verify.")
     best = max(pairs, key=lambda pair: pair.candidates)
     return Text("No two photos have verified matches in common; of {count} pairs the best one has: {reason}.",
                 count=len(pairs), reason=best.reason or Text("no verified match"))  # fmt: skip
