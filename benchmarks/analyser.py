@@ -110,7 +110,7 @@ def main() -> None:
             seconds.append(time.perf_counter() - start)
         verdict = judge_set(figures, AnalyserParams(), run=RUN)
         plain = verified([luma(eight_bit(i)) for i in images], cameras)
-        raised = verified([apply_filters(i, chain, RUN) for i in images], cameras)
+        raised = verified([luma(apply_filters(i, chain, RUN)) for i in images], cameras)
         pays = raised >= PAYS * plain and raised > plain
         hue, saturation = (float(np.median([getattr(f, n) for f in figures]))
                            for n in ("hue_dispersion", "saturation_dispersion"))  # fmt: skip
