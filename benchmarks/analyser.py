@@ -2,7 +2,8 @@
 
 ``python benchmarks/analyser.py [--out FILE.md]``. For every real set of the shared data and for simulated series of
 falling contrast and growing blur, neighbouring photos are matched as they are and enhanced. Enhancing *pays* when it
-brings at least a tenth more verified matches; the verdict agrees when it recommends just that. Beside it stands how
+brings at least a tenth more verified matches; the verdict agrees when it recommends just that. A set without any
+verified pair either way (the four thermal photos show four places) measures nothing and is not counted. Beside it stands how
 often the best single threshold on the dispersion of hue, of saturation, and on their mean would agree.
 """
 
@@ -114,10 +115,13 @@ def main() -> None:
         pays = raised >= PAYS * plain and raised > plain
         hue, saturation = (float(np.median([getattr(f, n) for f in figures]))
                            for n in ("hue_dispersion", "saturation_dispersion"))  # fmt: skip
-        rows.append((verdict.enhance == pays, pays, hue, saturation))
+        overlap = max(plain, raised) > 0
+        agrees = verdict.enhance == pays
+        if overlap:
+            rows.append((agrees, pays, hue, saturation))
         lines.append(f"| {name} | {verdict.score:.0f} | {hue:.2f} | {saturation:.2f} | "
                      f"{'enhance' if verdict.enhance else 'leave'} | {plain} | {raised} | "
-                     f"{f'{raised / plain:.2f}' if plain else '–'} | {'yes' if rows[-1][0] else 'no'} |")  # fmt: skip
+                     f"{f'{raised / plain:.2f}' if plain else '–'} | {('yes' if agrees else 'no') if overlap else 'nothing to measure'} |")  # fmt: skip
         print(lines[-1], flush=True)
     agree = sum(row[0] for row in rows)
     pays = np.array([row[1] for row in rows])

@@ -36,7 +36,7 @@ class ClaheParams(Params):
             learn=LESSON,
             level="novice",
         ),
-    ] = 3.0
+    ] = 1.5
     tiles: Annotated[
         int,
         About(
