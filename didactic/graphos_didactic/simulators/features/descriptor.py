@@ -109,7 +109,7 @@ def _panels(seen: Compared, step: int) -> tuple[Panel, ...]:
         Panel(name="orientation", title="Directions of the gradients", rect=(0.53, 0.0, 0.25, 0.32), x_range=(-5.0, 355.0),
               y_range=(0.0, 1.18), x_label="direction, clockwise from the right [°]", legend="above"),
         _square("fan", "4 × 4 cells × 8 directions", (0.53, 0.32, 0.25, 0.36), cells),
-        Panel(name="numbers128", title="128 numbers · cells → directions ↓", rect=(0.53, 0.68, 0.25, 0.32),
+        Panel(name="numbers128", title="The 128 numbers", rect=(0.53, 0.68, 0.25, 0.32),
               kind="picture", x_range=(0.0, float(CELLS * CELLS)), y_range=(0.0, 3 * ROWS_APART), y_down=True),
         Panel(name="numbers", title="Numbers", rect=(0.78, 0.0, 0.22, 1.0), kind="sheet"),
     )  # fmt: skip
@@ -131,8 +131,8 @@ def _sheet(seen: Compared, step: int) -> list[AnyMark]:
     ]  # fmt: skip
     if step >= 2:
         marks += [
-            Number(thing="a", role="first", label="Direction, first", value=math.degrees(a.angle) % 360.0, unit="°", digits=1),
-            Number(thing="b", role="second", label="Direction, second", value=math.degrees(b.angle) % 360.0, unit="°", digits=1,
+            Number(thing="a", role="first", label="Direction 1", value=math.degrees(a.angle) % 360.0, unit="°", digits=1),
+            Number(thing="b", role="second", label="Direction 2", value=math.degrees(b.angle) % 360.0, unit="°", digits=1,
                    answer=True),
             Number(thing="limit", label="Key points, first", value=float(len(seen.peaks(0))), unit="", digits=0),
             Number(thing="b", label="Turn found", value=seen.turn_found, unit="°", digits=1, answer=True),

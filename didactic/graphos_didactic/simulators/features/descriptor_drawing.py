@@ -193,7 +193,12 @@ def number_marks(seen: Compared, step: int) -> list[AnyMark]:
     grids = [d.final.reshape(CELLS * CELLS, DIRECTIONS).T for d in (seen.a, seen.b)]
     marks: list[AnyMark] = []
     rows: list[tuple[str, Array, str, bool]] = [
-        ("a", colours_of_values(grids[0], 0.0, LARGEST_NUMBER), f"first · 0 to {LARGEST_NUMBER:g}", False),
+        (
+            "a",
+            colours_of_values(grids[0], 0.0, LARGEST_NUMBER),
+            f"first · 0 to {LARGEST_NUMBER:g} · cells →, directions ↓",
+            False,
+        ),
         ("b", colours_of_values(grids[1], 0.0, LARGEST_NUMBER), f"second · 0 to {LARGEST_NUMBER:g}", True),
     ]
     if step >= 6:

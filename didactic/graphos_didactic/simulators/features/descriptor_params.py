@@ -46,7 +46,7 @@ class DescriptorParams(Params):
         effect="Larger: the descriptors drift apart, small patches first.")] = 2.0  # fmt: skip
     orientation: Annotated[Literal["histogram", "upright"], About(
         label="Orientation", group="Descriptor",
-        choices={"histogram": "from the gradients", "upright": "always upright"},
+        choices={"histogram": "gradients", "upright": "upright"},
         help="Whether the patch is turned by the direction that its own gradients show.", learn=LESSON,
         effect="Always upright: a turned picture has another descriptor.")] = "histogram"  # fmt: skip
     share: Annotated[float, About(

@@ -101,7 +101,7 @@ def _panels(seen: Looked, step: int) -> tuple[Panel, ...]:
     p, top = seen.params, response_top(seen)
     name = {"blobs": "blobs", "edges": "edges"}.get(p.picture, photo_or_simulated(seen.setting)[1])
     blur, wider = (seen.space.blur(seen.octave, seen.layer + i) for i in (0, 1))
-    difference = f"D = L({wider:.1f}) − L({blur:.1f}) · ±{strongest(seen):.2f}" if step >= 1 else ""
+    difference = f"D = L({wider:.1f}) − L({blur:.1f}) · ±{1e3 * strongest(seen):.0f} ‰" if step >= 1 else ""
     what = "D" if step >= 1 else "L"
     return (
         Panel(name="photo", title=f"{name} · octave {seen.octave}" if step >= 2 else name, rect=(0.0, 0.0, 0.25, 0.345), kind="picture", x_range=across,
@@ -115,7 +115,7 @@ def _panels(seen: Looked, step: int) -> tuple[Panel, ...]:
               y_down=True),
         Panel(name="response", title="Response at the point along the scale", rect=(0.36, 0.345, 0.39, 0.655),
               x_range=(0.0, seen.octaves + 0.6), y_range=(-top, top), legend="above",
-              x_label=f"scale [octaves above {seen.space.blur(0, 0.0):.2f} px]", y_label="D [grey range 0 to 1]"),
+              x_label=f"scale [octaves above {seen.space.blur(0, 0.0):.2f} px]", y_label="D [‰ of the grey range]"),
         Panel(name="numbers", title="The extremum at the point", rect=(0.75, 0.0, 0.25, 1.0), kind="sheet"),
     )  # fmt: skip
 

@@ -21,6 +21,7 @@ STYLES: dict[int, tuple[str, Marker, Role, float]] = {
 """Thing, marker, role and size of each verdict."""
 CELL = (64, 48)
 """Width and height of a picture of the pyramid, px."""
+PER_MILLE = 1000.0
 TURN = np.linspace(0.0, 2.0 * np.pi, 25)
 
 
@@ -122,7 +123,7 @@ def pyramid_marks(seen: Looked, step: int) -> list[AnyMark]:
 def response_marks(seen: Looked, step: int) -> list[AnyMark]:
     """Draw the response at the point over the scale, the thresholds, the fit of the extremum and the truth."""
     p = seen.params
-    limit, last = p.contrast / p.layers, float(seen.octaves + 1)
+    limit, last = PER_MILLE * p.contrast / p.layers, float(seen.octaves + 1)
     marks: list[AnyMark] = [
         Line(panel="response", role="grid", width=1.4, xy=np.array([[0.0, 0.0], [last, 0.0]]))
     ]
@@ -132,26 +133,27 @@ def response_marks(seen: Looked, step: int) -> list[AnyMark]:
                  xy=np.array([[0.0, sign * limit], [last, sign * limit]]))
             for sign in (1, -1)
         ]  # fmt: skip
+    curve = seen.response * (1.0, PER_MILLE)
     if step >= 1:
         marks += [
-            Line(panel="response", thing="point", role="accent", width=1.6, xy=seen.response, label="D at the point",
+            Line(panel="response", thing="point", role="accent", width=1.6, xy=curve, label="D at the point",
                  answer=True),
-            Points(panel="response", thing="point", role="accent", xy=seen.response, size=6.0, answer=True),
+            Points(panel="response", thing="point", role="accent", xy=curve, size=6.0, answer=True),
         ]  # fmt: skip
     i = seen.chosen
     if step >= 3 and i is not None:
         verdict = int(seen.extrema.verdict[i])
         thing, marker, role, size = STYLES[verdict]
-        peak = np.array([[seen.scale_of(i), seen.extrema.value[i]]])
+        peak = np.array([[seen.scale_of(i), PER_MILLE * seen.extrema.value[i]]])
         marks += [
-            Line(panel="response", thing=thing, role=role, width=2.2, dash="dot", xy=seen.parabola(i), label="fit",
+            Line(panel="response", thing=thing, role=role, width=2.2, dash="dot", xy=seen.parabola(i) * (1.0, PER_MILLE), label="fit",
                  answer=True),
             Points(panel="response", thing=thing, role=role, marker=marker, size=size + 5, xy=peak, answer=True),
         ]  # fmt: skip
     if p.picture == "blobs":
         at = blob_scale(p.size, p.layers, p.sigma)
-        marks.append(Line(panel="response", thing="truth", role="truth", dash="dashdot", width=1.8, truth=True,
-                          label="truth: blob of size s", xy=np.array([[at, -9.0], [at, 9.0]])))  # fmt: skip
+        marks.append(Line(panel="response", thing="truth", role="truth", dash="dashdot", width=1.8, truth=True, answer=True,
+                          label="truth: blob of size s", xy=np.array([[at, -1e4], [at, 1e4]])))  # fmt: skip
     here = seen.octave + seen.layer / p.layers
     marks.append(
         Line(
@@ -159,19 +161,19 @@ def response_marks(seen: Looked, step: int) -> list[AnyMark]:
             thing="layer",
             role="second",
             width=2.2,
-            xy=np.array([[here, -9.0], [here, 9.0]]),
+            xy=np.array([[here, -1e4], [here, 1e4]]),
         )
     )
     return marks
 
 
 def response_top(seen: Looked) -> float:
-    """Return the end of the axis of the response, grey range 0 to 1."""
+    """Return the end of the axis of the response, ‰ of the grey range."""
     i = seen.chosen
     largest = np.abs(seen.response[:, 1]).max()
     if i is not None:
         largest = max(largest, abs(float(seen.extrema.value[i])))
-    return float(max(1.2 * largest, 2.0 * seen.params.contrast / seen.params.layers, 0.004))
+    return PER_MILLE * float(max(1.2 * largest, 2.0 * seen.params.contrast / seen.params.layers, 0.004))
 
 
 def _free_side(seen: Looked) -> float:

@@ -18,7 +18,7 @@ class SelfDissimilarityParams(Params):
 
     picture: Annotated[Literal["tiles", "stripes", "photo"], About(
         label="Picture", group="Picture", level="novice",
-        choices={"tiles": "tiles with three marks", "stripes": "stripes only", "photo": "photo"},
+        choices={"tiles": "tiles", "stripes": "stripes", "photo": "photo"},
         help="A simulated wall with marks of known place, stripes, or a photo (of the open project, else simulated).",
         effect="Stripes: every patch has its like beside it.")] = "tiles"  # fmt: skip
     noise: Annotated[float, About(

@@ -57,7 +57,7 @@ PRESETS = (
            {"picture": "three"}),
     Preset("bright", "Light and dark", "Where brightness differs anyway, every way to grey will do.",
            {"a_light": 35.0, "b_light": 75.0}),
-    Preset("start", "One iteration", "The signs are not settled yet.", {"picture": "three", "iterations": 2}),
+    Preset("start", "One iteration", "The signs are not settled yet.", {"picture": "three", "iterations": 1}),
     Preset("wheel", "All hues", "Twelve hues on one axis of grey: whatever the weights, some pairs fall together.",
            {"picture": "wheel"}, "degenerate"),
     Preset("photo", "Your photo", "A photo of the open project; drag A, B and C over it.", {"picture": "photo"}, "photo"),

@@ -45,7 +45,7 @@ def picture_marks(seen: Decolorized, step: int) -> list[AnyMark]:
                 marks.append(Picture(panel=method, thing=method, pixels=pixels, extent=extent, answer=True))
         else:
             marks.append(Picture(panel=method, thing=method if method in ("luma", "principal") else "channels",
-                                 pixels=seen.grey(method), extent=extent))  # fmt: skip
+                                 pixels=seen.grey(method), extent=extent, answer=method != "luma"))  # fmt: skip
         if step >= 2 and (method != "decolor" or step >= 5):
             marks.append(Words(panel=method, role="text", at=(1.0, rows - 2.0), anchor="bottom", answer=True,
                                text=f"CCPR {seen.ccpr(method):.2f}" + (" ★" if method == seen.best else "")))  # fmt: skip
@@ -64,7 +64,7 @@ def plane_marks(seen: Decolorized) -> list[AnyMark]:
     if p.picture in ("two", "three"):
         curve = np.stack([HUES, same_luma(HUES, luma_of(p.a_hue, p.a_light, p.chroma), p.chroma)], axis=1)
         marks.append(Line(panel="plane", thing="luma", role="second", width=2.2, dash="dash", xy=curve,
-                          label="the luma of A"))  # fmt: skip
+                          label="the luma of A", answer=True))  # fmt: skip
     else:
         marks.append(
             Points(panel="plane", thing="colour", role="text", marker="ring", size=10.0, xy=seen.on_plane)
