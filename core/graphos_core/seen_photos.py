@@ -120,6 +120,23 @@ def files_path(pipeline: Pipeline, name: str) -> Path:
     return inside(pipeline.project.store.path("images", pipeline.key("images")), name)
 
 
+def filter_input(pipeline: Pipeline, index: int) -> Array:
+    """Return what the filters of photo `index` get, whether ``images`` has run or not: its pixels, undistorted if chosen.
+
+    Raises
+    ------
+    UserError
+        When the photo cannot be read, or undistortion has no calibration.
+    """
+    raw = pipeline.project.photo_set.photos[index]
+    way = resamplings(pipeline)[1][raw.camera]
+    if way is None:
+        return read_pixels(raw)
+    if pipeline.has("images"):
+        return read_pixels(pipeline.photos.photos[index])
+    return way.apply(read_pixels(raw), way.positions())
+
+
 def photo_grey_and_colour(pipeline: Pipeline, index: int) -> tuple[Array, Array]:
     """Return photo `index` as features see it, uint8 grey (h, w), and its colours (h, w, 3)."""
     photo = pipeline.photos.photos[index]

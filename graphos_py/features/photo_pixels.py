@@ -29,7 +29,7 @@ class PhotoPixels(QObject):
         photos = project.photo_set.photos if project is not None else ()
         if not 0 <= index < len(photos):
             return
-        photo = photos[index]
+        photo = self.session.seen(photos[index])
         self._wanted = photo.digest
         if photo.digest in self._known:
             then(index, self._known[photo.digest])

@@ -21,7 +21,7 @@ from graphos_core.preprocessing.undistortion import Resampling
 from graphos_core.project import Project
 from graphos_core.recipe import Recipe
 from graphos_core.run import Run
-from graphos_core.seen_photos import SeenMasks, block_as_taken
+from graphos_core.seen_photos import SeenMasks, block_as_taken, filter_input
 from graphos_core.simulation.photo_block import demo_camera, simulate_photos
 from graphos_core.simulation.truth import load_truth
 
@@ -191,7 +191,9 @@ def test_filters_see_undistorted_photos_and_threads_change_nothing(distorted: Pa
             Recipe.default().set("preprocessing.undistortion=calibrated").set("preprocessing.filter=grey")
         )
         pipeline = Pipeline(project, recipe)
+        before = filter_input(pipeline, 0)
         result = pipeline.run("preprocessing", Run(threads=threads))
+        assert np.array_equal(filter_input(pipeline, 0), before)
         results.append([Path(name).read_bytes() for name in result.files])
         first = cv2.imread(result.files[0], cv2.IMREAD_GRAYSCALE)
         colour = read_pixels(pipeline.photos.photos[0])
