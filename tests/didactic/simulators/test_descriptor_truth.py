@@ -10,7 +10,7 @@ import pytest
 from graphos_didactic.simulator import Setting, find_simulator
 from graphos_didactic.simulators.features.descriptor_model import Compared
 from graphos_didactic.simulators.features.descriptor_params import DescriptorParams
-from graphos_didactic.simulators.features.descriptor_tasks import PREDICTION
+from graphos_didactic.simulators.features.descriptor_tasks import PREDICTION, descriptor_task
 
 
 def compared(**values: object) -> Compared:
@@ -79,3 +79,13 @@ def test_the_direction_of_the_pixel_is_counter_clockwise() -> None:
 def test_the_prediction_depends_on_the_orientation() -> None:
     assert PREDICTION.answer(DescriptorParams(), Setting()) == 0
     assert PREDICTION.answer(DescriptorParams(orientation="upright", turn=0.0), Setting()) == 1
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_challenge_asks_about_the_pixel_that_is_marked(seed: int) -> None:
+    task = descriptor_task(seed)
+    assert isinstance(task.start, DescriptorParams)
+    seen = Compared(task.start, Setting())
+    largest = seen.shares.table()[0]
+    assert isinstance(task.solution, float)
+    assert task.solution == pytest.approx(seen.shares.size * largest[3], rel=0.02)

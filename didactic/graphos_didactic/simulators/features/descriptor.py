@@ -178,7 +178,7 @@ def _pixel_sheet(seen: Compared) -> list[AnyMark]:
             unit="°",
             digits=0,
         ),
-        Matrix(thing="pixel", label="", rows=rows),
+        Matrix(thing="pixel", label="", rows=rows, answer=True),
     ]
 
 

@@ -118,10 +118,10 @@ def _pixel_marks(seen: Compared) -> list[AnyMark]:
         for column, b in shares.columns.items():
             middle = np.array([column, row]) - (CELLS - 1) / 2
             if a * b > 0:
-                marks.append(Line(panel="patch_a", thing="pixel", role="third", width=0.8 + 4.0 * a * b,
+                marks.append(Line(panel="patch_a", thing="pixel", role="third", width=0.8 + 4.0 * a * b, answer=True,
                                   xy=np.stack([[p.u, p.v], middle])))  # fmt: skip
                 marks.append(Words(panel="patch_a", thing="pixel", role="third", at=(float(middle[0]), float(middle[1])),
-                                   text=f"{100 * a * b:.0f} %", anchor="centre"))  # fmt: skip
+                                   text=f"{100 * a * b:.0f} %", anchor="centre", answer=True))  # fmt: skip
     return marks
 
 

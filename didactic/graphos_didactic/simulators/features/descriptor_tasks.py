@@ -34,8 +34,8 @@ def _explain(params: DescriptorParams, setting: Setting) -> str:
     if params.orientation == "upright":
         return f"{text} Nobody turned the patch upright: other cells and other directions are compared."
     return (
-        f"{text} The direction of the second key point went from {math.degrees(before.b.angle):.0f}° to "
-        f"{math.degrees(after.b.angle):.0f}°: the patch was turned upright by it before the gradients were counted, so a "
+        f"{text} The direction of the second key point went from {math.degrees(before.b.angle) % 360:.0f}° to "
+        f"{math.degrees(after.b.angle) % 360:.0f}°: the patch was turned upright by it before the gradients were counted, so a "
         f"direction that is found well (error {after.turn_error:.1f}°) leaves the numbers alone."
     )
 
@@ -53,12 +53,18 @@ def descriptor_task(seed: int) -> Task:
     """Ask how much of one pixel's gradient goes to one number of the 128."""
     draw = np.random.default_rng(seed)
     half = (CELLS - 1) / 2
-    row, column = (int(draw.integers(0, CELLS - 1)) + round(float(draw.uniform(0.2, 0.45)), 2) for _ in "rc")
-    turn = int(draw.integers(0, DIRECTIONS)) + round(float(draw.uniform(0.2, 0.45)), 2)
-    size = float(draw.integers(20, 90))
-    start = DescriptorParams(
-        u=column - half, v=row - half, turn=float(draw.integers(-17, 17) * 10), seed=seed % 9999
-    )
+    while True:
+        row, column = (
+            int(draw.integers(0, CELLS - 1)) + round(float(draw.uniform(0.2, 0.45)), 2) for _ in "rc"
+        )
+        start = DescriptorParams(
+            u=column - half, v=row - half, turn=float(draw.integers(-17, 17) * 10), seed=seed % 9999
+        )
+        pixel = Compared(start, Setting()).shares
+        size, degrees = round(pixel.size, 1), round(math.degrees(pixel.direction), 1)
+        turn = degrees * DIRECTIONS / 360.0
+        if size > 3.0 and 0.15 < turn % 1.0 < 0.45:
+            break
     r, c, d = math.floor(row), math.floor(column), math.floor(turn)
     along, across = bin_shares(column, CELLS)[c], bin_shares(row, CELLS)[r]
     around = bin_shares(turn, DIRECTIONS, circular=True)[d % DIRECTIONS]
@@ -73,12 +79,12 @@ def descriptor_task(seed: int) -> Task:
     def check(params: DescriptorParams, number: float | None) -> Verdict:
         return _judge(number, right, mistakes)
 
-    angle = 360.0 / DIRECTIONS
+    angle = 360 // DIRECTIONS
     text = (
-        f"A pixel with gradient times weight {size:.0f} grey levels lies {row - r:.2f} cells below the middle of cell row "
-        f"{r + 1} and {column - c:.2f} cells to the right of the middle of cell column {c + 1}; its direction is "
-        f"{(turn - d) * angle:.1f}° beyond bin {d + 1} (bins are {angle:g}° apart). How much goes into that bin of that "
-        f"cell (± {100 * TOLERANCE:g} %)?"
+        f"The marked pixel has gradient times weight {size:g} grey levels and the direction {degrees:g}°. It lies "
+        f"{row - r:.2f} cells below the middle of cell row {r + 1} and {column - c:.2f} cells to the right of the middle of "
+        f"cell column {c + 1}. How much goes into the bin of {d % DIRECTIONS * angle}° of that cell (bins are {angle}° apart; "
+        f"± {100 * TOLERANCE:g} %)?"
     )
     return Task(text, start, "grey level", check, right, mistakes)
 
