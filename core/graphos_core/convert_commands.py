@@ -1,4 +1,4 @@
-"""``graphos convert camera|orientation|tiepoints|formats``: between this program's files and those of others."""
+"""``graphos convert camera|orientation|tiepoints|features|formats``: between this program's files and those of others."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from graphos_core.data import Camera
     from graphos_core.exchange.formulas import Format
 
-KINDS = ("camera", "orientation", "tiepoints", "formats")
+KINDS = ("camera", "orientation", "tiepoints", "features", "formats")
 
 
 def add_convert(words: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -38,6 +38,7 @@ def add_convert(words: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
         "--angle-unit", choices=("deg", "gon", "rad"), default="deg", help="unit of written angles"
     )
     _kind(kinds, "tiepoints", "tie points: image points and which belong together")
+    _kind(kinds, "features", "keypoints, descriptors and matches of a project, a folder or a database")
     kinds.add_parser("formats", help="list the formats and what each can hold")
 
 
@@ -66,7 +67,13 @@ def _size(text: str) -> tuple[int, int]:
 
 def convert(options: argparse.Namespace) -> int:
     """Run ``graphos convert``."""
-    run = {"camera": _camera, "orientation": _orientation, "tiepoints": _tie_points, "formats": _formats}
+    run = {
+        "camera": _camera,
+        "orientation": _orientation,
+        "tiepoints": _tie_points,
+        "features": _features,
+        "formats": _formats,
+    }
     for line in run[options.kind](options):
         print(line)
     return 0
@@ -152,8 +159,27 @@ def _tie_points(options: argparse.Namespace) -> list[str]:
     return [str(head), *found.remarks]
 
 
+def _features(options: argparse.Namespace) -> list[str]:
+    from graphos_core.exchange.features_formats import read_features, write_features
+    from graphos_core.project_features import features_of_project
+    from graphos_core.project_file import FILE
+
+    found = (
+        features_of_project(options.source)
+        if (options.source / FILE).is_file()
+        else read_features(options.source)
+    )
+    files = write_features(found, options.target, options.to)
+    head = Text("{points} keypoints of {photos} photos, {matches} matches in {pairs} pairs; {files} files written.",
+                points=sum(len(f.xy) for f in found.features), photos=len(found.photos),
+                matches=sum(len(p.matches) for p in found.pairs), pairs=sum(1 for p in found.pairs if not p.reason),
+                files=len(files))  # fmt: skip
+    return [str(head), *found.remarks]
+
+
 def _formats(_options: argparse.Namespace) -> list[str]:
     from graphos_core.exchange.camera_formats import CAMERA_FORMATS, OWN
+    from graphos_core.exchange.features_formats import FEATURE_FORMATS
     from graphos_core.exchange.orientation_formats import ORIENTATION_FORMATS
     from graphos_core.exchange.tie_points import TIE_POINT_FORMATS
 
@@ -166,4 +192,6 @@ def _formats(_options: argparse.Namespace) -> list[str]:
             f"  {kind.name:<14} {kind.label} — {holds or 'poses only'}{'' if kind.written else ' (only read)'}"
         )
     lines.append("tiepoints:")
-    return lines + [f"  {name:<14} {label}" for name, label in TIE_POINT_FORMATS.items()]
+    lines += [f"  {name:<14} {label}" for name, label in TIE_POINT_FORMATS.items()]
+    lines.append("features:")
+    return lines + [f"  {name:<14} {label}" for name, label in FEATURE_FORMATS.items()]
