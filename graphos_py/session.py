@@ -154,6 +154,27 @@ class Session(QObject):
             pass
         return photo
 
+    def undistortion(self) -> str:
+        """Return what the photos are undistorted by, as a key; empty for photos as taken or without a calibration."""
+        from graphos_core.seen_photos import undistortion_key
+
+        try:
+            made = undistortion_key(self.pipeline) if self.pipeline is not None else None
+        except UserError:  # the step says so itself
+            return ""
+        return "" if made is None else repr(made)
+
+    def filter_reader(self, photo: Photo) -> Callable[[], Any]:
+        """Return a function that reads what the filters of a photo of the project get."""
+        from graphos_core.images import read_pixels
+        from graphos_core.seen_photos import filter_input
+
+        pipeline = self.pipeline
+        if pipeline is None or not self.undistortion():
+            return lambda: read_pixels(photo)
+        index = [p.name for p in pipeline.project.photo_set.photos].index(photo.name)
+        return lambda: filter_input(pipeline, index)
+
     def seen_cameras(self) -> tuple[Camera, ...]:
         """Return the cameras that belong to the photos as results see them."""
         if self.project is None:

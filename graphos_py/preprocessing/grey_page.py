@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
-from graphos_core.data import Array, Photo
+from graphos_core.data import Array
 from graphos_core.preprocessing.grey_variants import GreyVariant, compare_grey_variants
 from graphos_core.run import Run
 from graphos_py.icons import bind_icon
@@ -30,11 +31,9 @@ def keypoint_counter(run: Run) -> Any:
     return count
 
 
-def compared(photo: Photo, run: Run) -> tuple[GreyVariant, ...] | None:
-    """Compare the ways to grey on a photo; None for a photo without colour."""
-    from graphos_core.images import read_pixels
-
-    pixels = read_pixels(photo)
+def compared(read: Callable[[], Array], run: Run) -> tuple[GreyVariant, ...] | None:
+    """Compare the ways to grey on a photo that `read` reads; None for a photo without colour."""
+    pixels = read()
     if pixels.ndim != 3 or pixels.shape[2] != 3:
         return None
     return compare_grey_variants(pixels, keypoint_counter(run), run=run)
@@ -85,7 +84,8 @@ class GreyPage(QWidget):
         photo = project.photo_set.photos[self.session.photo]
         seed = self.session.recipe.seed if self.session.recipe is not None else 0
         self._asked = photo.name
-        job = Job(lambda run: compared(photo, run), name="ways to grey", seed=seed)
+        read = self.session.filter_reader(photo)
+        job = Job(lambda run: compared(read, run), name="ways to grey", seed=seed)
         job.succeeded.connect(self.show_rows)
         job.failed.connect(self.session.tell)
         job.finished.connect(self._over)

@@ -21,10 +21,8 @@ SOON_MS, BUSY_MS = 10, 300
 """How long a wish waits for the next one, and for an engine that computes something else."""
 
 
-def _opened(photo: Photo, run: Run) -> tuple[Preview, Array]:
-    from graphos_core.images import read_pixels
-
-    preview = Preview(read_pixels(photo))
+def _opened(read: Callable[[], Array], run: Run) -> tuple[Preview, Array]:
+    preview = Preview(read())
     run.check()
     return preview, displayed(preview.pixels, preview.levels)
 
@@ -75,6 +73,7 @@ class LivePreview(QObject):
         self.preview: Preview | None = None
         self._wanted = wanted
         self._photo: Photo | None = None
+        self._way = ""
         self._job: Job | None = None
         self._again = False
         self._soon = QTimer(self, singleShot=True)
@@ -83,11 +82,16 @@ class LivePreview(QObject):
         self._idle.timeout.connect(self._look_at_whole)
 
     def open(self, photo: Photo) -> None:
-        """Show another photo."""
-        if self._photo is not None and photo.digest == self._photo.digest and photo.path == self._photo.path:
+        """Show another photo, undistorted where the recipe says so."""
+        way = self.session.undistortion()
+        same = self._photo is not None and (photo.digest, photo.path) == (
+            self._photo.digest,
+            self._photo.path,
+        )
+        if same and way == self._way:
             self.ask()
             return
-        self._photo, self.preview = photo, None
+        self._photo, self._way, self.preview = photo, way, None
         self.ask()
 
     def ask(self) -> None:
@@ -114,7 +118,8 @@ class LivePreview(QObject):
             return
         preview = self.preview
         if preview is None:
-            job = Job(lambda run: _opened(photo, run), name="photo", engine=False)
+            read = self.session.filter_reader(photo)
+            job = Job(lambda run: _opened(read, run), name="photo", engine=False)
             job.succeeded.connect(self._read)
             self._start(job)
             return
