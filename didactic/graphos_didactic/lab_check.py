@@ -11,6 +11,7 @@ from graphos_core.run import Run
 from graphos_core.simulation.truth import Truth
 from graphos_core.text import Text
 from graphos_didactic.lab_calibration import CALIBRATION_FIGURES, Bench, calibration_line
+from graphos_didactic.lab_detectors import DETECTOR_FIGURES, detector_line, measure
 from graphos_didactic.lab_figures import FIGURES, Figure, control_roles, figure_text
 from graphos_didactic.labs import Lab, Step
 
@@ -51,6 +52,8 @@ def figure_of(
         return None
     if step.figure in CALIBRATION_FIGURES:
         return CALIBRATION_FIGURES[step.figure](bench) if bench is not None else None
+    if step.figure in DETECTOR_FIGURES:
+        return DETECTOR_FIGURES[step.figure](pipeline, truth)
     return FIGURES[step.figure](pipeline, truth) if pipeline is not None else None
 
 
@@ -75,7 +78,7 @@ def check(
     bench : Bench or None
         Where the student calibrates, in a lab with a test field.
     run : Run, optional
-        Told the progress of a calibration.
+        Told the progress of a calibration, or of a detector on all photos.
     """
     if step.kind == "read":
         return Outcome(True, "")
@@ -92,6 +95,10 @@ def check(
         report = bench.calibrate(step.photos, step.model, run or Run())
         warnings = "".join(f"\n• {line}" for line in report["warnings"])
         return Outcome(True, calibration_line(report, step.photos) + warnings)
+    if step.kind == "detect":
+        if truth is None:
+            return Outcome(False, "This step needs the lab's own simulated block.")
+        return Outcome(True, detector_line(step.detector, measure(truth, step.detector, run or Run())))
     if step.kind in ("do", "choose"):
         assert pipeline is not None
         return _check_do(step, pipeline, truth) if step.kind == "do" else _check_choice(step, pipeline)

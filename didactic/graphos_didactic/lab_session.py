@@ -29,6 +29,7 @@ from graphos_core.store import write_text
 from graphos_core.text import Text
 from graphos_didactic.lab_calibration import Bench
 from graphos_didactic.lab_check import Outcome, answer_key, check, figure_of, parse_number
+from graphos_didactic.lab_detectors import detector_line, measured
 from graphos_didactic.lab_figures import figure_text
 from graphos_didactic.labs import Lab, Step, student_seed, target_sheet
 
@@ -311,6 +312,9 @@ def _row(
         guess = parse_number(answer)
         if step.kind == "predict" and guess is not None:
             computed += f"; predicted {guess:g}"
+    if step.kind == "detect" and truth is not None:
+        found = measured(truth, step.detector)
+        computed = str(detector_line(step.detector, found)) if found is not None else ""
     verdict = "" if step.kind == "read" else "done" if index in session.passed else "open"
     return {
         "number": index + 1, "kind": step.kind, "title": step.title, "answer": answer, "computed": computed,

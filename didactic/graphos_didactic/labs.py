@@ -22,6 +22,8 @@ A lab is a folder with ``lab.toml``::
   spread over at least (``spread_at_least``) or at most (``spread_at_most``) this share of all points;
 - **calibrate**: the camera is calibrated with photos of a test field (``photos = "all"``, or ``"even"``, ``"odd"``,
   ``"facing"``: every second one, or the half that looks at the board most directly); only in labs with a ``target``;
+- **detect**: the detector ``detector = "orb"`` is run on the student's photos with the usual parameters, matched and
+  verified; what it gave is kept and shown beside what the others gave; only in labs with a ``block``;
 - **measure**: a number read from the student's own results; right within three standard deviations, or within the
   rounding of the answer where the figure has none;
 - **compare**: the figure against the truth of the simulated block; passes when they agree within three standard
@@ -54,15 +56,19 @@ from graphos_core.registry import STAGES, Stage
 from graphos_core.simulation.templates import TEMPLATES
 from graphos_core.text import Text
 from graphos_didactic.lab_calibration import CALIBRATION_FIGURES, SELECTIONS
+from graphos_didactic.lab_detectors import DETECTOR_FIGURES, detectors
 from graphos_didactic.lab_figures import FIGURES
 
-Kind = Literal["read", "predict", "do", "choose", "calibrate", "measure", "compare", "explain"]
-KINDS: tuple[Kind, ...] = ("read", "predict", "do", "choose", "calibrate", "measure", "compare", "explain")
+Kind = Literal["read", "predict", "do", "choose", "calibrate", "detect", "measure", "compare", "explain"]
+KINDS: tuple[Kind, ...] = (
+    "read", "predict", "do", "choose", "calibrate", "detect", "measure", "compare", "explain",
+)  # fmt: skip
 NEEDED = {
     "predict": ("figure",),
     "do": ("stage",),
     "choose": ("control", "check"),
     "calibrate": ("photos",),
+    "detect": ("detector",),
     "measure": ("figure",),
     "compare": ("figure",),
     "explain": ("words",),
@@ -83,6 +89,7 @@ KNOWN: dict[str, type | tuple[type, ...]] = {
     "spread_at_most": (int, float),
     "photos": str,
     "model": str,
+    "detector": str,
     "simulator": str,
     "lesson": str,
 }
@@ -111,6 +118,7 @@ class Step:
     spread_at_most: float | None = None
     photos: str = ""
     model: str = "basic"
+    detector: str = ""
     simulator: str = ""
     lesson: str = ""
 
@@ -176,11 +184,11 @@ def read_lab(name: str, source: str) -> Lab:
         _step(name, i + 1, line, entry) for i, (line, entry) in enumerate(zip(lines, entries, strict=True))
     )
     for step, line in zip(steps, lines, strict=True):
-        figures: list[str] = [*(CALIBRATION_FIGURES if target else FIGURES)]
+        figures: list[str] = [*(CALIBRATION_FIGURES if target else FIGURES | DETECTOR_FIGURES)]
         if step.figure and step.figure not in figures:
             raise UserError(Text("The lab {lab} is wrong in the step of line {line}.", lab=name, line=line),
                             unknown_name(step.figure, figures, "figure of this kind of lab"))  # fmt: skip
-        if (step.kind == "calibrate") > bool(target) or (step.kind in ("do", "choose") and target):
+        if (step.kind == "calibrate") > bool(target) or (step.kind in ("do", "choose", "detect") and target):
             raise UserError(
                 Text("The lab {lab} is wrong in the step of line {line}.", lab=name, line=line),
                 Text("A step of kind {kind} needs a lab with a {what}.", kind=step.kind,
@@ -248,13 +256,16 @@ def _step(lab: str, number: int, line: int, entry: dict[str, Any]) -> Step:
     for key in ("title", "text", *NEEDED.get(kind, ())):
         if key not in entry:
             raise wrong(Text("A step of kind {kind} needs “{key}”.", kind=kind, key=key))
-    if entry.get("figure") and entry["figure"] not in FIGURES | CALIBRATION_FIGURES:
-        raise wrong(unknown_name(entry["figure"], [*FIGURES, *CALIBRATION_FIGURES], "figure"))
+    known = [*FIGURES, *CALIBRATION_FIGURES, *DETECTOR_FIGURES]
+    if entry.get("figure") and entry["figure"] not in known:
+        raise wrong(unknown_name(entry["figure"], known, "figure"))
     places: list[str] = [*STAGES] if kind == "do" else ["images", *STAGES]
     if entry.get("stage") and entry["stage"] not in places:
         raise wrong(unknown_name(entry["stage"], places, "stage"))
     if entry.get("photos") and entry["photos"] not in SELECTIONS:
         raise wrong(unknown_name(entry["photos"], list(SELECTIONS), "choice of photos"))
+    if entry.get("detector") and entry["detector"] not in detectors():
+        raise wrong(unknown_name(entry["detector"], detectors(), "detector"))
     hints = tuple(entry.get("hints", ()))
     if not all(isinstance(hint, str) for hint in hints):
         raise wrong("Every hint is a text.")
