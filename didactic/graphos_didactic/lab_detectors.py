@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Callable
 from itertools import combinations
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from graphos_core.cameras import pixel_from_ray, ray_from_pixel
 from graphos_core.data import Array, Features, PairMatches
 from graphos_core.errors import UserError
 from graphos_core.features.coverage import photo_coverage
+from graphos_core.features_comparison.measures import REPEATED_PX, RIGHT_PX
 from graphos_core.images import read_photo_set, read_pixels
 from graphos_core.pipeline import Pipeline
 from graphos_core.preprocessing.grey import luma
@@ -23,30 +25,43 @@ from graphos_core.run import Run
 from graphos_core.simulation.truth import Truth
 from graphos_core.store import write_text
 from graphos_core.text import Text
-from graphos_didactic.lab_figures import READING, Figure, Source
+from graphos_didactic.lab_figures import READING, Figure
 
-RIGHT_PX = 3.0
-"""A match is right within this distance of where the surface point really is, px."""
-REPEATED_PX = 1.5
-"""A keypoint is found again within this distance, px (Schmid, Mohr and Bauckhage 2000)."""
 SAME_DEPTH = 0.01
 """A surface point is seen if its depth agrees with the true one so well, as a share."""
-NUMBERS = ("keypoints", "seconds", "matches", "verified", "inlier_share", "coverage", "repeatability", "right")
+NUMBERS = (
+    "keypoints",
+    "seconds",
+    "matches",
+    "verified",
+    "inlier_share",
+    "coverage",
+    "repeatability",
+    "right",
+)
 """What is kept of each detector."""
 
 
-def place(truth: Truth, detector: str) -> Path:
-    """Return the file in which the numbers of a detector are kept."""
-    return Path(truth.folder) / "detectors" / f"{detector}.json"
+Source = Callable[[Pipeline | None, Truth | None], Figure | None]
 
 
-def measured(truth: Truth, detector: str) -> dict[str, float] | None:
+def place(simulation: Path, detector: str) -> Path:
+    """Return the file in which the numbers of a detector are kept, in the folder of the student's block."""
+    return simulation / "detectors" / f"{detector}.json"
+
+
+def kept(simulation: Path, detector: str) -> dict[str, float] | None:
     """Return the kept numbers of a detector; None where it was not run or they cannot be read."""
     try:
-        found = json.loads(place(truth, detector).read_text("utf-8"))
+        found = json.loads(place(simulation, detector).read_text("utf-8"))
         return {name: float(found[name]) for name in NUMBERS}
     except (OSError, ValueError, KeyError, TypeError):
         return None
+
+
+def measured(truth: Truth, detector: str) -> dict[str, float] | None:
+    """Return `kept` numbers of the block of a truth."""
+    return kept(Path(truth.folder), detector)
 
 
 def measure(truth: Truth, detector: str, run: Run) -> dict[str, float]:
@@ -81,11 +96,11 @@ def measure(truth: Truth, detector: str, run: Run) -> dict[str, float]:
         run.progress(len(photos.photos) + k, len(photos.photos) + len(pairs), "photos and pairs")
         candidates = matcher.function(features[a], features[b], matcher_params, run=run)
         cameras = (photos.cameras[photos.photos[a].camera], photos.cameras[photos.photos[b].camera])
-        kept = verification.function(
+        accepted = verification.function(
             (a, b), features[a], features[b], candidates, cameras, verification_params, run=run
         )
-        verified.append(kept)
-        counts += (len(candidates), *_against_truth(truth, (a, b), features, kept))
+        verified.append(accepted)
+        counts += (len(candidates), *_against_truth(truth, (a, b), features, accepted))
     coverage = np.mean([photo_coverage(features, verified, i).occupied_share for i in range(len(features))])
     matches, kept_matches, right, repeated, common = (float(c) for c in counts)
     found = {
@@ -93,8 +108,9 @@ def measure(truth: Truth, detector: str, run: Run) -> dict[str, float]:
         "matches": matches, "verified": kept_matches, "inlier_share": kept_matches / max(matches, 1.0),
         "coverage": float(coverage), "repeatability": repeated / max(common, 1.0), "right": right,
     }  # fmt: skip
-    place(truth, detector).parent.mkdir(exist_ok=True)
-    write_text(place(truth, detector), json.dumps(found, indent=1))
+    file = place(Path(truth.folder), detector)
+    file.parent.mkdir(exist_ok=True)
+    write_text(file, json.dumps(found, indent=1))
     return found
 
 
@@ -125,12 +141,12 @@ def _depth_at(depth: Array, xy: Array) -> Array:
 
 
 def _against_truth(
-    truth: Truth, pair: tuple[int, int], features: list[Features], kept: PairMatches
+    truth: Truth, pair: tuple[int, int], features: list[Features], accepted: PairMatches
 ) -> tuple[float, float, float, float]:
     """Return verified matches, right ones of them, keypoints found again, and keypoints of a that b shows."""
     a, b = pair
     there = true_places(truth, a, b, features[a].xy)
-    matches = kept.matches
+    matches = accepted.matches
     miss = np.hypot(*(features[b].xy[matches[:, 1]] - there[matches[:, 0]]).T)
     common = np.unique(np.round(there[np.isfinite(there).all(axis=1)], 2), axis=0)
     again = 0.0
@@ -160,7 +176,7 @@ def detectors() -> list[str]:
 
 
 def _figure(detector: str, what: str, words: str, unit: str, factor: float = 1.0) -> Source:
-    def figure(pipeline: Pipeline, truth: Truth | None) -> Figure | None:
+    def figure(pipeline: Pipeline | None, truth: Truth | None) -> Figure | None:
         found = measured(truth, detector) if truth is not None else None
         if found is None:
             return None
@@ -170,7 +186,7 @@ def _figure(detector: str, what: str, words: str, unit: str, factor: float = 1.0
 
 
 def _right_of_verified(detector: str) -> Source:
-    def figure(pipeline: Pipeline, truth: Truth | None) -> Figure | None:
+    def figure(pipeline: Pipeline | None, truth: Truth | None) -> Figure | None:
         found = measured(truth, detector) if truth is not None else None
         if found is None or not found["verified"]:
             return None
@@ -181,7 +197,7 @@ def _right_of_verified(detector: str) -> Source:
 
 
 def _verified_per_keypoint(detector: str) -> Source:
-    def figure(pipeline: Pipeline, truth: Truth | None) -> Figure | None:
+    def figure(pipeline: Pipeline | None, truth: Truth | None) -> Figure | None:
         found = measured(truth, detector) if truth is not None else None
         if found is None or not found["keypoints"]:
             return None

@@ -27,6 +27,7 @@ from graphos_didactic.labs import Step
 from graphos_py.icons import bind_icon
 from graphos_py.jobs import Job
 from graphos_py.session import STAGE_LABELS, Session, load_engine
+from graphos_py.tabs.lab_detectors import DetectorTable
 from graphos_py.tabs.lab_hand_in import REPORT, write_pdf
 from graphos_py.tabs.lab_target import CalibrationResults
 from graphos_py.theme import theme
@@ -40,12 +41,16 @@ KIND_TEXTS = {
     "do": "Do",
     "choose": "Choose control and check points",
     "calibrate": "Calibrate",
+    "detect": "Run a detector on all photos, match and verify",
     "measure": "Measure: a number from your own results, right within three standard deviations",
     "compare": "Compare your result with the truth",
     "explain": "Explain in words",
 }
+LONG = {"calibrate": "Calibrating …", "detect": "Running the detector …"}
+"""Steps whose check tells its progress."""
 CHECK_TEXTS = {
     "calibrate": "Calibrate",
+    "detect": "Run it",
     "read": "Read, go on",
     "predict": "Keep my prediction",
     "explain": "Keep my answer",
@@ -93,6 +98,7 @@ class LabStep(QWidget):
         self.open_button = QPushButton(tr("Open the project of this lab"))
         self.go_button, self.lesson_button, self.play_button = QPushButton(), QPushButton(), QPushButton()
         self.calibrations = CalibrationResults()
+        self.detectors = DetectorTable()
         self._typed = QTimer(self, singleShot=True, interval=400)
         self._lay()
         self._connect()
@@ -120,6 +126,7 @@ class LabStep(QWidget):
             label.setWordWrap(True)
             column.addWidget(label)
         column.addWidget(self.calibrations)
+        column.addWidget(self.detectors)
         column.addStretch(1)
 
     def _connect(self) -> None:
@@ -211,13 +218,13 @@ class LabStep(QWidget):
         index, answer = self.index, self._answer()
 
         def work(run: Run) -> tuple[int, Outcome]:
-            if student.lab.target:
+            if student.lab.target or self.step.kind == "detect":
                 load_engine()
             return index, student.answer(index, answer, pipeline, run)
 
         self.checking = True
-        long = self.step.kind == "calibrate"
-        self.result.setText(tr("Calibrating …") if long else tr("Checking …"))
+        long = self.step.kind in LONG
+        self.result.setText(tr(LONG[self.step.kind]) if long else tr("Checking …"))
         self._run(work, self._checked, self._progressed if long else None)
         self._refresh()
 
@@ -272,7 +279,7 @@ class LabStep(QWidget):
     def _progressed(self, done: float, total: float, what: str) -> None:
         self.result.setText(
             tr(
-                "Calibrating: {what} {done} of {total}",
+                "{what} {done} of {total}",
                 what=tr(what),
                 done=f"{done:.0f}",
                 total=f"{total:.0f}",
@@ -394,6 +401,7 @@ class LabStep(QWidget):
         self.calibrations.setVisible(bench is not None)
         if bench is not None:
             self.calibrations.show_bench(bench, step.photos)
+        self.detectors.show_lab(student)
         self.lesson_button.setVisible(bool(step.lesson))
         self.lesson_button.setText(tr("Read the lesson"))
         self.play_button.setVisible(bool(step.simulator))
