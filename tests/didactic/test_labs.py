@@ -70,10 +70,15 @@ class Photos:
     photos = (Photo(), Photo("def"))
 
 
+class OfPhotos:
+    photo_set = Photos()
+
+
 class Results:
     """Stands for a pipeline with results."""
 
     photos = Photos()
+    project = OfPhotos()
     recipe = Recipe.default(0)
 
     def result(self, stage: str) -> None:
