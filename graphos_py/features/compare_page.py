@@ -23,7 +23,7 @@ from PySide6.QtWidgets import (
 
 from graphos_core.data import PhotoSet
 from graphos_core.features_comparison.page import columns, remarks
-from graphos_core.features_comparison.records import DEFINITIONS, FeatureComparison, Row
+from graphos_core.features_comparison.records import DEFINITIONS, Curve, FeatureComparison, Row
 from graphos_core.params import Level
 from graphos_core.recipe import Recipe
 from graphos_core.run import Run
@@ -54,7 +54,9 @@ class ComparePage(ResultPage):
         super().__init__()
         self.session = session
         self.comparison: FeatureComparison | None = None
+        self._names: tuple[str, ...] = ()
         self._rows: list[Row] = []
+        self._known_curves: list[Curve] = []
         self._job: Job | None = None
         self.choices = CompareChoices()
         self.choices.changed.connect(self._update)
@@ -156,9 +158,10 @@ class ComparePage(ResultPage):
         project = self.session.project
         if self.why_not() or self._job is not None or project is None:
             return
-        self._rows, self.comparison = [], None
+        self._rows, self._known_curves, self.comparison = [], [], None
         wanted, recipe = self.choices.wanted(), self.session.recipe
         photos = _chosen(project.photo_set, wanted, self.session.photo)
+        self._names = tuple(photo.name for photo in photos.photos)
         work = partial(_compare, photos=photos, wanted=wanted, recipe=recipe or Recipe.default())
         self._job = Job(work, name="algorithms", seed=recipe.seed if recipe else 0)
         self._job.progressed.connect(self._progressed)
@@ -194,6 +197,13 @@ class ComparePage(ResultPage):
         if key == "row":
             self._rows += values
             self._show_rows()
+        elif key == "curve":
+            self._known_curves += values
+        so_far = self._so_far()
+        if key == "row" and any(not row.failure for row in self._rows):
+            self.bars.show_figure(partial(_bars, so_far))
+        if key == "curve":
+            self.curves.show_figure(partial(_curves, so_far))
 
     def _compared(self, comparison: FeatureComparison) -> None:
         self.comparison, self._rows = comparison, list(comparison.rows)
@@ -209,10 +219,7 @@ class ComparePage(ResultPage):
         self._update()
 
     def _show_rows(self) -> None:
-        shown = self.comparison
-        if shown is None:
-            known = any(row.correct_3px is not None for row in self._rows)
-            shown = FeatureComparison((), tuple(self._rows), _IDENTITY if known else None, "")
+        shown = self.comparison or self._so_far()
         self.table.set_table([
             Column(
                 tr(heading), [getattr(row, key) if not row.failure or key == "algorithm" else None for row in self._rows],
@@ -220,6 +227,13 @@ class ComparePage(ResultPage):
             )
             for key, heading in columns(shown)
         ])  # fmt: skip
+
+    def _so_far(self) -> FeatureComparison:
+        """Return what is finished while the rest is computed."""
+        known = any(row.correct_3px is not None for row in self._rows)
+        return FeatureComparison(
+            self._names, tuple(self._rows), _IDENTITY if known else None, "", tuple(self._known_curves)
+        )
 
     def _update(self) -> None:
         running, reason = self._job is not None, self.why_not()

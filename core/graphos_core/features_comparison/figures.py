@@ -38,6 +38,7 @@ def bars(comparison: FeatureComparison, look: Look = LIGHT) -> Any:
     rows = [row for row in comparison.rows if not row.failure]
     truth = comparison.homography is not None
     figure = _figure(11.0, 1.35 + 0.42 * max(1, len(rows)), look)
+    figure.get_layout_engine().set(wspace=0.05)
     panels = figure.subplots(1, 4, sharey=True, gridspec_kw={"width_ratios": (1.0, 1.35, 1.35, 1.15)})
     place = np.arange(len(rows))[::-1]
     photos = max(1, len(comparison.photos))

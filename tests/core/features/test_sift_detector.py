@@ -92,6 +92,20 @@ def test_choosing_evenly_reaches_weakly_occupied_parts() -> None:
     )
 
 
+def test_octaves_hold_blobs_of_their_sizes_and_together_are_all() -> None:
+    image = texture(500, 600)
+    everything = sift(image, image, SiftParams(), run=RUN)
+    parts = [sift(image, image, SiftParams(first_octave=o, octaves=1), run=RUN) for o in (-1, 0, 1)]
+    rest = sift(image, image, SiftParams(first_octave=2), run=RUN)
+    assert sum(part.found for part in parts) + rest.found == everything.found
+    for octave, part in zip((-1, 0, 1), parts, strict=True):
+        sizes = part.scale / 2.0**octave  # 2 σ, σ = 1.6 · 2^(i/3) with i from ½ to 3½ in an octave
+        assert part.found > 20
+        assert sizes.min() > 3.2 * 2 ** (0.4 / 3) and sizes.max() < 3.2 * 2 ** (3.6 / 3)
+    first = sift(image, image, SiftParams(octaves=2), run=RUN)
+    assert first.found == parts[0].found + parts[1].found
+
+
 def test_root_descriptors_are_square_roots_of_length_one() -> None:
     image = texture()
     plain = sift(image, image, SiftParams(hellinger=False), run=RUN).descriptors.astype(float)

@@ -2,7 +2,7 @@ r"""SIFT: blobs of the difference-of-Gaussians pyramid, with a histogram of grad
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import cv2
 import numpy as np
@@ -18,6 +18,9 @@ LESSON = "features/sift"
 
 DESCRIPTOR_NORM = 512.0
 """Length of OpenCV's descriptors, and of the Hellinger form made here, before they are rounded to bytes."""
+
+MANY = 100
+"""More octaves than any photo has."""
 
 
 class SiftParams(PointParams):
@@ -82,6 +85,35 @@ class SiftParams(PointParams):
             level="expert",
         ),
     ] = 1.6
+    first_octave: Annotated[
+        int,
+        About(
+            label="First octave",
+            symbol="o_1",
+            low=-1,
+            high=6,
+            step=1,
+            help="Smallest octave whose blobs are kept; −1: that of the working image enlarged twice, 0: its own.",
+            effect="Higher: blobs of less than about 4, 7, 14 px (0, 1, 2) are left out. Lower: small blobs too.",
+            learn=LESSON,
+            level="expert",
+        ),
+    ] = -1
+    octaves: Annotated[
+        int | None,
+        About(
+            label="Octaves",
+            symbol="O",
+            unit="octaves",
+            low=1,
+            high=16,
+            step=1,
+            help="So many octaves are used, each with blobs twice as large as the one before; automatic: all there are.",
+            effect="Higher: large blobs too, which bridge large changes of distance. Lower: small blobs only.",
+            learn=LESSON,
+            level="expert",
+        ),
+    ] = None
     hellinger: Annotated[
         bool,
         About(
@@ -131,9 +163,19 @@ def sift(grey: Array, colour: Array, params: SiftParams, *, run: Run, mask: Arra
     points, descriptors = detector.detectAndCompute(working, None)
     if descriptors is None:
         descriptors = np.zeros((0, 128), np.uint8)
+    octave = np.array([octave_of(point) for point in points], dtype=np.int64)
+    last = params.first_octave + (params.octaves or MANY)
+    kept = np.flatnonzero((octave >= params.first_octave) & (octave < last))
+    points, descriptors = [points[i] for i in kept], descriptors[kept]
     if params.hellinger:
         descriptors = hellinger(descriptors)
     return assemble(FoundPoints.of_cv2(points, descriptors), working.shape, colour, params, mask)
+
+
+def octave_of(point: Any) -> int:
+    """Return the octave of OpenCV's keypoint: −1 for the enlarged image. It is the lowest byte, with its sign."""
+    low = point.octave & 255
+    return low - 256 if low > 127 else low
 
 
 def hellinger(descriptors: Array) -> Array:
