@@ -11,9 +11,19 @@ from typing import Any
 
 from PySide6.QtCore import QEvent, QObject, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QValidator, QWheelEvent
-from PySide6.QtWidgets import QAbstractSpinBox, QCheckBox, QComboBox, QHBoxLayout, QLineEdit, QWidget
+from PySide6.QtWidgets import (
+    QAbstractSpinBox,
+    QCheckBox,
+    QComboBox,
+    QFileDialog,
+    QHBoxLayout,
+    QLineEdit,
+    QToolButton,
+    QWidget,
+)
 
 from graphos_core.params import Declaration
+from graphos_py.icons import bind_icon
 from graphos_py.translation import tr
 
 AUTOMATIC = "automatic"
@@ -239,9 +249,40 @@ class TextField(Field):
         self._line.setText("" if value is None else str(value))
 
 
+class FileField(TextField):
+    """A text that names a file, with a button to choose one."""
+
+    def _make(self) -> QWidget:
+        line = super()._make()
+        button = QToolButton()
+        button.setToolTip(tr("Choose a file"))
+        button.setAccessibleName(tr("Choose a file"))
+        bind_icon(button, "open", "text")
+        button.clicked.connect(self._choose)
+        both = QWidget()
+        row = QHBoxLayout(both)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.setSpacing(4)
+        row.addWidget(line, 1)
+        row.addWidget(button)
+        both.setFocusProxy(line)
+        return both
+
+    def _choose(self) -> None:
+        about = self.declaration.about
+        found, _ = QFileDialog.getOpenFileName(
+            self._line, tr(about.label), self._line.text(), tr(about.files)
+        )
+        if found:
+            self._line.setText(found)
+            self.edited.emit()
+
+
 def make_field(declaration: Declaration) -> Field:
     """Return the field for a declaration."""
     if declaration.kind == "bool":
         return ChoiceField(declaration) if declaration.optional else SwitchField(declaration)
+    if declaration.about.files:
+        return FileField(declaration)
     kinds = {"int": NumberField, "float": NumberField, "pair": PairField, "choice": ChoiceField}
     return kinds.get(declaration.kind, TextField)(declaration)

@@ -59,6 +59,8 @@ class About:
         Heading in the form.
     choices : mapping
         Label of each choice of a ``Literal``; the bare value where missing.
+    files : str
+        Which files a text may name, such as ``"Calibration (*.toml)"``: the form offers to choose one.
     """
 
     label: str
@@ -75,6 +77,7 @@ class About:
     level: Level = "student"
     group: str = ""
     choices: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    files: str = ""
 
 
 @dataclass(frozen=True)

@@ -99,6 +99,7 @@ class CalibratedParams(Params):
             effect="Its distortion is taken out of the photos; what is wrong in it stays in them.",
             learn=LESSON,
             level="novice",
+            files="Calibration (*.toml)",
         ),
     ] = ""
     interpolation: Annotated[

@@ -5,15 +5,31 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from PySide6.QtWidgets import QFileDialog, QToolButton
 
 from graphos_core.exchange.calibration_file import write_calibration
 from graphos_core.images import read_pixels
+from graphos_core.preprocessing.undistortion import CalibratedParams
 from graphos_core.seen_photos import filter_input
 from graphos_core.simulation.photo_block import demo_camera
+from graphos_py.fields import make_field
 
 
 def wait(qtbot, window):
     qtbot.waitUntil(lambda: window.session.running is None and not window.jobs.running, timeout=60000)
+
+
+def test_the_calibration_is_chosen_as_a_file(qtbot, monkeypatch):
+    field = make_field(CalibratedParams.declarations()["calibration"])
+    qtbot.addWidget(field.widget)
+    told = []
+    field.edited.connect(lambda: told.append(field.value()))
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: ("/some/calibration.toml", ""))
+    field.widget.findChild(QToolButton).click()
+    assert told == ["/some/calibration.toml"]
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: ("", ""))
+    field.widget.findChild(QToolButton).click()
+    assert told == ["/some/calibration.toml"] == [field.text()]
 
 
 def test_preview_results_and_photos_as_taken(qtbot, window, photo_folder, tmp_path):
