@@ -22,7 +22,7 @@ def features(descriptors: np.ndarray) -> Features:
     n = len(descriptors)
     zero = np.zeros(n, np.float32)
     return Features(
-        xy=np.zeros((n, 2), np.float32), scale=zero, angle=zero, response=zero, descriptors=descriptors,
+        xy=np.arange(2 * n, dtype=np.float32).reshape(n, 2), scale=zero, angle=zero, response=zero, descriptors=descriptors,
         colour=np.zeros((n, 3), np.uint8), width=100, height=100,
     )  # fmt: skip
 

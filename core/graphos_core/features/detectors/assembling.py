@@ -53,17 +53,37 @@ class FoundPoints:
         angle = np.radians((table[:, 3] + 180.0) % 360.0 - 180.0)
         return cls(table[:, :2], table[:, 2], angle, table[:, 4], descriptors, metric)
 
+    @classmethod
+    def joined(cls, parts: Sequence[FoundPoints]) -> FoundPoints:
+        """Return the points of at least one set as one, in their order."""
+        return cls(
+            xy=np.concatenate([part.xy for part in parts]),
+            scale=np.concatenate([part.scale for part in parts]),
+            angle=np.concatenate([part.angle for part in parts]),
+            response=np.concatenate([part.response for part in parts]),
+            descriptors=np.concatenate([part.descriptors for part in parts]),
+            metric=parts[0].metric,
+        )
 
-def working_image(grey: Array, reduction: float | None) -> Array:
-    """Return the photo reduced by a factor, or to `WORKING_PIXELS` without one; never enlarged.
+    def take(self, index: Array) -> FoundPoints:
+        """Return some of the points, by their indices."""
+        return FoundPoints(
+            self.xy[index], self.scale[index], self.angle[index], self.response[index],
+            self.descriptors[index], self.metric,
+        )  # fmt: skip
+
+
+def working_image(grey: Array, reduction: float | None, pixels: int = WORKING_PIXELS) -> Array:
+    """Return the photo reduced by a factor, or to about so many pixels without one; never enlarged.
 
     Parameters
     ----------
     grey : uint8 (h, w)
     reduction : float or None
+    pixels : int
     """
     height, width = grey.shape
-    factor = max(1.0, np.sqrt(grey.size / WORKING_PIXELS)) if reduction is None else reduction
+    factor = max(1.0, np.sqrt(grey.size / pixels)) if reduction is None else reduction
     least = (min(LEAST_SIDE, width), min(LEAST_SIDE, height))
     size = (max(least[0], round(width / factor)), max(least[1], round(height / factor)))
     return grey if size == (width, height) else cv2.resize(grey, size, interpolation=cv2.INTER_AREA)

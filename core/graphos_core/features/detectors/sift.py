@@ -157,19 +157,28 @@ def sift(grey: Array, colour: Array, params: SiftParams, *, run: Run, mask: Arra
         Descriptors uint8 (n, 128) of length about 512.
     """
     working = working_image(grey, params.reduction)
+    return assemble(find_sift(working, params), working.shape, colour, params, mask)
+
+
+def find_sift(image: Array, params: SiftParams) -> FoundPoints:
+    """Return the described points of one image, in its pixels.
+
+    Parameters
+    ----------
+    image : uint8 (h, w)
+    params : SiftParams
+    """
     detector = cv2.SIFT_create(  # type: ignore[attr-defined]
         0, params.layers, params.contrast, params.edge, params.sigma, cv2.CV_8U, True
     )
-    points, descriptors = detector.detectAndCompute(working, None)
+    points, descriptors = detector.detectAndCompute(image, None)
     if descriptors is None:
         descriptors = np.zeros((0, 128), np.uint8)
     octave = np.array([octave_of(point) for point in points], dtype=np.int64)
     last = params.first_octave + (params.octaves or MANY)
     kept = np.flatnonzero((octave >= params.first_octave) & (octave < last))
     points, descriptors = [points[i] for i in kept], descriptors[kept]
-    if params.hellinger:
-        descriptors = hellinger(descriptors)
-    return assemble(FoundPoints.of_cv2(points, descriptors), working.shape, colour, params, mask)
+    return FoundPoints.of_cv2(points, hellinger(descriptors) if params.hellinger else descriptors)
 
 
 def octave_of(point: Any) -> int:
