@@ -62,7 +62,7 @@ def most_different(descriptors: Array, order: Array, begins: Array, most: int) -
             own = descriptors[members[chosen]]
             for m in range(len(members)):
                 other = descriptors[members[m]]
-                total = 0
+                total = np.int64(0)
                 for c in range(len(own)):
                     step = np.int64(own[c]) - np.int64(other[c])
                     total += step * step

@@ -34,7 +34,7 @@ REACH = 3.0
 class AffineParams(PointParams):
     """Parameters of detectors that simulate views."""
 
-    maximum: Annotated[int, PointParams.declarations()["maximum"].about] = 16_384
+    maximum: Annotated[int, PointParams.declarations()["maximum"].about] = 20_000
     reduction: Annotated[
         float | None,
         About(
@@ -107,7 +107,7 @@ class AffineParams(PointParams):
             learn=LESSON,
             level="student",
         ),
-    ] = 2
+    ] = 1
 
 
 def points_of_views(

@@ -2,6 +2,8 @@ r"""AMSD: maximal self-dissimilarity on simulated views, the detector of GRAPHOS
 
 from __future__ import annotations
 
+from typing import Annotated, Literal
+
 from graphos_core.data import Array, Features
 from graphos_core.features.detectors.affine_views import WORKING_PIXELS, AffineParams, points_of_views
 from graphos_core.features.detectors.assembling import assemble, working_image
@@ -13,7 +15,17 @@ LESSON = "features/amsd"
 
 
 class AmsdParams(AffineParams, MsdParams):
-    """Parameters of affine maximal self-dissimilarity."""
+    """Parameters of affine maximal self-dissimilarity.
+
+    Points are more, farther tilted and by strength: MSD has fewer points than SIFT in a view, and those of the coarse
+    levels lie less exactly.
+    """
+
+    selection: Annotated[
+        Literal["scale", "strength", "grid", "anms"], AffineParams.declarations()["selection"].about
+    ] = "strength"
+    tilts: Annotated[int, AffineParams.declarations()["tilts"].about] = 3
+    nms_radius: Annotated[int, MsdParams.declarations()["nms_radius"].about] = 3
 
 
 @algorithm(
