@@ -38,7 +38,8 @@ def _whole(preview: Preview, chain: Any, run: Run) -> list[Piece]:
     return [Piece(before, after, Region(0, 0, width, height), 1, True, Text("the whole photo, as in a run"))]
 
 
-def _pieces(preview: Preview, chain: Any, region: Region, factor: int, run: Run) -> list[Piece]:
+def pieces_of(preview: Preview, chain: Any, region: Region, factor: int, run: Run) -> list[Piece]:
+    """Return the whole photo coarsely and a region at `factor`; of slow filters a coarser region is told before."""
     height, width = preview.pixels.shape[:2]
     coarse = factor
     while width * height / coarse**2 > COARSE_PIXELS:
@@ -47,6 +48,7 @@ def _pieces(preview: Preview, chain: Any, region: Region, factor: int, run: Run)
     pieces = [preview.piece(chain, whole, preview.first_factor(chain, whole, coarse, run), run)]
     first = preview.first_factor(chain, region, factor, run)
     if first > factor:
+        run.show("pieces", list(pieces))
         pieces.append(preview.piece(chain, region, first, run))
         run.show("pieces", list(pieces))
     pieces.append(preview.piece(chain, region, factor, run))
@@ -131,7 +133,7 @@ class LivePreview(QObject):
             self._soon.start(BUSY_MS)
             return
         if Preview.can(chain):
-            job = Job(lambda run: _pieces(preview, chain, region, factor, run), name="preview")
+            job = Job(lambda run: pieces_of(preview, chain, region, factor, run), name="preview")
         else:
             job = Job(lambda run: _whole(preview, chain, run), name="preview")
         filtered = bool(chain)

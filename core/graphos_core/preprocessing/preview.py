@@ -28,6 +28,9 @@ PATIENCE_S = 0.08
 """A piece that would take longer is shown coarser first."""
 
 
+COARSEST = 32
+"""No piece is reduced further than this."""
+
 TRIAL = 128
 """A chain that was never timed is tried on so many pixels square first."""
 
@@ -84,7 +87,7 @@ class Preview:
         self._sizes: dict[int, Array] = {1: pixels}
         self._learned: dict[str, list[Any]] = {}
         self._exact: tuple[str, list[Any]] | None = None
-        self._pace: dict[str, float] = {}
+        self._pace: dict[tuple[str, int], float] = {}
         levels = stretch_range(pixels) if pixels.dtype == np.uint16 else None
         self.levels = levels
 
@@ -144,7 +147,9 @@ class Preview:
         for (parts, params), learned in zip(scaled, known, strict=True):
             run.check()
             after = parts.apply(after, params, learned, Place(left, top, width, height))
-        self._pace[_names(chain)] = (time.perf_counter() - begun) / max(1, image.shape[0] * image.shape[1])
+        self._pace[_names(chain), factor] = (time.perf_counter() - begun) / max(
+            1, image.shape[0] * image.shape[1]
+        )
         inner = (slice(cut.top - top, cut.bottom - top), slice(cut.left - left, cut.right - left))
         exact = factor == 1 and (exact_known or not self.needs_whole(chain))
         shown = Region(
@@ -158,11 +163,12 @@ class Preview:
 
     def first_factor(self, chain: Chain, region: Region, factor: int, run: Run) -> int:
         """Return the factor at which a region is shown within `PATIENCE_S`, from how long the chain took last."""
-        if _names(chain) not in self._pace:
-            self.piece(chain, _middle(region, TRIAL * factor), factor, run)
-        pace = self._pace[_names(chain)]
         area = (region.right - region.left) * (region.bottom - region.top)
-        while pace * area / factor**2 > PATIENCE_S and factor < 32:
+        while factor < COARSEST:
+            if (_names(chain), factor) not in self._pace:
+                self.piece(chain, _middle(region, TRIAL * factor), factor, run)
+            if self._pace[_names(chain), factor] * area / factor**2 <= PATIENCE_S:
+                break
             factor *= 2
         return factor
 

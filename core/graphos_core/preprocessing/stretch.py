@@ -11,7 +11,6 @@ import numpy as np
 from graphos_core.data import Array
 from graphos_core.params import About, Params
 from graphos_core.preprocessing.bands import one_band
-from graphos_core.preprocessing.kernels import wallis_rows
 from graphos_core.preprocessing.parts import Place, odd_window, partwise
 from graphos_core.preprocessing.stretch_choice import (
     LARGEST_BLUR,
@@ -20,7 +19,7 @@ from graphos_core.preprocessing.stretch_choice import (
     Wishes,
     choose_stretch,
 )
-from graphos_core.preprocessing.wallis import WallisParams, mirrored, targets_of
+from graphos_core.preprocessing.wallis import WallisParams, wallis_with_limits
 from graphos_core.registry import algorithm
 from graphos_core.run import Run
 
@@ -112,11 +111,10 @@ def _apply(image: Array, params: StretchParams, choice: StretchChoice, place: Pl
     first, last = _span(image.dtype.type, choice)
     scale = WORKING_LEVELS / (last - first)
     working = np.rint((levels - np.float32(first)) * np.float32(scale)).astype(np.uint16)
-    rows, columns = mirrored(working.shape, choice.window)
-    targets = targets_of(
-        WallisParams(target_std=TARGET, contrast=0.99, maximum_gain=min(choice.gain, 1000.0))
+    equalised = WallisParams(
+        window=choice.window, target_std=TARGET, contrast=0.99, maximum_gain=min(choice.gain, 1000.0)
     )
-    return wallis_rows(working, rows, columns, np.float32(-first * scale), np.float32(1.0 / scale), targets)
+    return wallis_with_limits(working, (np.float32(-first * scale), np.float32(1.0 / scale)), equalised)
 
 
 def _span(kind: type, choice: StretchChoice) -> tuple[float, float]:

@@ -151,14 +151,25 @@ def _learn(image: Array, params: WallisParams, run: Run) -> Levels:
 def _apply(image: Array, params: WallisParams, levels: Levels, place: Place) -> Array:
     grey = np.ascontiguousarray(luma(image))
     rows, columns = mirrored(grey.shape, params.window)
-    if params.spacing == 1:
+    if params.spacing == 1 and params.minimum_gain == 0.0 and params.maximum_gain is None:
         return wallis_rows(grey, rows, columns, *levels, targets_of(params))
-    mean, variance = statistics_rows(grey, rows, columns, *levels)
+    return _at_nodes(grey, params, levels, place)
+
+
+def _at_nodes(grey: Array, params: WallisParams, levels: Levels, place: Place) -> Array:
+    mean, variance = statistics_rows(grey, *mirrored(grey.shape, params.window), *levels)
     y, first_row, row_weight = _nodes(place.top, grey.shape[0], params.spacing)
     x, first_column, column_weight = _nodes(place.left, grey.shape[1], params.spacing)
-    mean, variance = mean[np.ix_(y, x)], variance[np.ix_(y, x)]
+    if params.spacing > 1:
+        mean, variance = mean[np.ix_(y, x)], variance[np.ix_(y, x)]
     gain, shift = node_values(mean, variance, targets_of(params))
     return wallis_nodes(grey, gain, shift, first_row, row_weight, first_column, column_weight, *levels)
+
+
+def wallis_with_limits(grey: Array, levels: Levels, params: WallisParams) -> Array:
+    """Filter uint8 or uint16 (h, w) with the limits of the gain kept at every pixel."""
+    every = params.replace(spacing=1)
+    return _at_nodes(grey, every, levels, Place.whole(grey))
 
 
 def _nodes(start: int, length: int, spacing: int) -> tuple[Array, Array, Array]:
