@@ -93,7 +93,7 @@ class CoveragePage(ResultPage):
         self.column.addWidget(self.form)
         self.column.addLayout(verdict)
         self.column.addWidget(splitter, 1)
-        self.form.setContentsMargins(8, 0, 8, 4)
+        self.form.setContentsMargins(8, 8, 8, 4)
         theme().changed.connect(self._write)
 
     def _bar(self) -> QHBoxLayout:

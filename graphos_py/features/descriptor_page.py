@@ -9,7 +9,8 @@ from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QScrollArea, QSplitter, QVBoxLayout, QWidget
 
 from graphos_core.data import Array, Features, Photo
-from graphos_core.number_format import format_value
+from graphos_core.features.detectors.selection import by_rank, spread_over_cells
+from graphos_core.number_format import THIN_SPACE, format_value
 from graphos_core.run import Run
 from graphos_py.features.descriptor_work import GreyPhotos, Look, Neighbour, look_at, partners
 from graphos_py.features.photo_pixels import PhotoPixels
@@ -50,6 +51,12 @@ class DescriptorPage(ResultPage):
         self._pixels = PhotoPixels(session, self)
         self._other_pixels = PhotoPixels(session, self)
         self.image, self.other_image = ImageView(), ImageView()
+        self.image.set_empty_text(
+            tr("The selected photo"), tr("Run this step, then click one of its keypoints.")
+        )
+        self.other_image.set_empty_text(
+            tr("The other photo"), tr("The nearest neighbours are marked here by their rank.")
+        )
         self.image.brief = self.other_image.brief = True
         self._thinning = QTimer(self, singleShot=True, interval=60)
         self._thinning.timeout.connect(self._thin_out)
@@ -88,9 +95,7 @@ class DescriptorPage(ResultPage):
         bar = QHBoxLayout()
         bar.setContentsMargins(8, 4, 8, 4)
         bar.setSpacing(8)
-        self.said = QLabel()
-        self.said.setMinimumWidth(40)
-        bar.addWidget(self.said, 1)
+        bar.addStretch(1)
         bar.addWidget(QLabel(tr("Neighbours in")))
         self.others = QComboBox()
         self.others.setAccessibleName(tr("Photo in which neighbours are looked for"))
@@ -200,7 +205,6 @@ class DescriptorPage(ResultPage):
             return
         self.look = look
         mine = self.result.features[look.photo]
-        self.said.setText(_facts(mine, look.keypoint))
         best = next((i for i, n in enumerate(look.neighbours) if n.verified), 0)
         empty = (
             tr("The descriptors of the two photos are of different kinds.")
@@ -241,12 +245,12 @@ class DescriptorPage(ResultPage):
             return
         features, names = self.result.features, [photo.name for photo in self._photos()]
         mine = features[look.photo]
-        first = Shown(f"{names[look.photo]}  #{look.keypoint}", mine.descriptors[look.keypoint], look.described,
+        first = Shown(_title(names[look.photo], mine, look.keypoint), mine.descriptors[look.keypoint], look.described,
                       mine.metric)  # fmt: skip
         second = None
         if 0 <= row < len(look.neighbours):
             other, neighbour = features[look.other], look.neighbours[row]
-            second = Shown(f"{names[look.other]}  #{neighbour.index}", other.descriptors[neighbour.index],
+            second = Shown(_title(names[look.other], other, neighbour.index), other.descriptors[neighbour.index],
                            neighbour.described, other.metric)  # fmt: skip
         self.view.show_pair(first, second)
         self._mark_other()
@@ -261,16 +265,16 @@ class DescriptorPage(ResultPage):
             self._thin_out()
 
     def _thin_out(self) -> None:
-        """Show the largest keypoints in sight, and all of them where there are not too many."""
+        """Show keypoints all over what is in sight, and all of them where there are not too many."""
         features = self.result.features[self._photo] if self.result is not None and self._photo >= 0 else None
         if features is None or self.image.canvas.array is None:
             return
         seen = self.image.canvas.visible()
-        x, y = np.asarray(features.xy, np.float64).T
-        inside = (x > seen.left()) & (x < seen.right()) & (y > seen.top()) & (y < seen.bottom())
-        rows = np.flatnonzero(inside)
-        if len(rows) > IN_SIGHT:
-            rows = rows[np.argsort(-np.asarray(features.scale)[rows], kind="stable")[:IN_SIGHT]]
+        corner, size = np.array([seen.left(), seen.top()]), (int(seen.width()) + 1, int(seen.height()) + 1)
+        xy = np.asarray(features.xy, np.float64) - corner
+        rows = np.flatnonzero(((xy > 0) & (xy < size)).all(axis=1))
+        largest_first = by_rank(xy[rows], np.asarray(features.scale)[rows])
+        rows = rows[spread_over_cells(largest_first, xy[rows], IN_SIGHT, size)]
         shown = np.zeros(len(features.xy), bool)
         shown[rows] = True
         if self.keypoint >= 0:
@@ -299,7 +303,6 @@ class DescriptorPage(ResultPage):
 
     def _show_nothing(self) -> None:
         self.look = None
-        self.said.setText("")
         self.strip.set_patches(
             [], empty=tr("Click a keypoint in the left photo: its nearest neighbours appear here.")
         )
@@ -321,8 +324,9 @@ def _patch(rank: int, neighbour: Neighbour, features: Features) -> Patch:
     return Patch(pixels, (f"{sign}{rank + 1}.  d {distance}", ratio), neighbour.verified)
 
 
-def _facts(features: Features, index: int) -> str:
+def _title(name: str, features: Features, index: int) -> str:
+    """Return two lines: photo and number of a keypoint; its place, diameter and orientation."""
     x, y = features.xy[index].tolist()
     diameter = format_value(float(features.scale[index]), unit="px", digits=3)
     angle = format_value(float(np.degrees(features.angle[index])), unit="°", digits=3)
-    return tr("x {x}  y {y} px   ⌀ {d}   ∠ {a}", x=f"{x:.1f}", y=f"{y:.1f}", d=diameter, a=angle)
+    return f"{name}  #{index}\n{x:.1f}, {y:.1f}{THIN_SPACE}px  ⌀ {diameter}  ∠ {angle}"

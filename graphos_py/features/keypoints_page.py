@@ -20,7 +20,7 @@ from graphos_py.views.table_view import Column, TableView
 
 ALL, MATCHED, UNMATCHED, TOLD_APART = "all", "matched", "unmatched", "told apart"
 SHOWN = {
-    TOLD_APART: "Matched yellow, others rose",
+    TOLD_APART: "Matched and others",
     ALL: "All alike",
     MATCHED: "Only matched ones",
     UNMATCHED: "Only those without a match",
@@ -47,8 +47,10 @@ class KeypointsPage(ResultPage):
         self.session = session
         self.features: Features | None = None
         self.chosen = -1
+        self._sized = False
         self._rows: Array = np.zeros(0, np.int64)
         self._matched: Array | None = None
+        self._seen: tuple[Array | None, Array | None] = (None, None)
         self._figures: tuple[Array, Array] = (np.zeros(0, np.int32), np.zeros(0, np.int32))
         self._pixels = PhotoPixels(session, self)
         self._later = QTimer(self, singleShot=True, interval=40)
@@ -97,7 +99,9 @@ class KeypointsPage(ResultPage):
         for key, label in SHOWN.items():
             self.shown.addItem(tr(label), key)
         self.shown.setToolTip(
-            tr("Matched: with a verified match in another photo. They carry the line of their orientation.")
+            tr(
+                "Yellow, with the line of the orientation: with a verified match in another photo. Rose circle: without."
+            )
         )
         self.shown.activated.connect(self._show_passing)
         bar.addWidget(self.shown)
@@ -105,7 +109,9 @@ class KeypointsPage(ResultPage):
         self.descriptor = QPushButton(tr("Descriptor"))
         self.descriptor.setToolTip(tr("See what the selected keypoint is compared by (Return in the table)"))
         self.descriptor.clicked.connect(lambda: self.descriptor_wanted.emit(self.chosen))
-        self.export = QPushButton(tr("Export CSV …"))
+        self.export = QPushButton(tr("CSV …"))
+        self.export.setAccessibleName(tr("Export as CSV"))
+        self.export.setToolTip(tr("Export the keypoints in the table as CSV"))
         bind_icon(self.export, "save", "text")
         self.export.clicked.connect(self._export)
         for button in (self.descriptor, self.export):
@@ -164,6 +170,7 @@ class KeypointsPage(ResultPage):
 
     def _take(self, features: Features | None) -> None:
         self.features, self.chosen = features, -1
+        self._sized = False
         self.descriptor.setEnabled(False)
         self.export.setEnabled(features is not None)
         empty = np.zeros(0)
@@ -175,8 +182,7 @@ class KeypointsPage(ResultPage):
 
     def _read(self, index: int, pixels: Array) -> None:
         self.image.set_image(pixels, keep_view=True)
-        self.image.set_keypoints(self.features)
-        self._show_passing()
+        self.image.set_keypoints(self.features, *self._seen)
         self.image.select_keypoint(self.chosen)
 
     def _show_passing(self) -> None:
@@ -190,8 +196,10 @@ class KeypointsPage(ResultPage):
         if matched is not None and kind in (MATCHED, UNMATCHED):
             passing &= matched if kind == MATCHED else ~matched
         self._rows = np.flatnonzero(passing)
-        self.image.filter_keypoints(passing, matched if kind in (TOLD_APART, UNMATCHED) else None)
-        self.table.set_table(self._columns(self.features, self._rows))
+        self._seen = (passing, matched if kind in (TOLD_APART, UNMATCHED) else None)
+        self.image.filter_keypoints(*self._seen)
+        self.table.set_table(self._columns(self.features, self._rows), keep_widths=self._sized)
+        self._sized = len(self._rows) > 0
         self.table.select_rows(np.flatnonzero(self._rows == self.chosen).tolist())
 
     def _columns(self, f: Features, rows: Array) -> list[Column]:

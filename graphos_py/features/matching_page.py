@@ -27,6 +27,7 @@ from graphos_py.jobs import Job
 from graphos_py.pair_matrix import PairMatrix
 from graphos_py.result_page import ResultPage
 from graphos_py.session import Session
+from graphos_py.theme import theme
 from graphos_py.translation import tr
 from graphos_py.views.background import Background
 from graphos_py.views.funnel_view import FunnelView
@@ -93,6 +94,7 @@ class MatchingPage(ResultPage):
         side.addWidget(self.matrix)
         side.addWidget(scroll)
         side.setSizes([260, 360])
+        side.setMinimumWidth(theme().px(150))
         return side
 
     def _bar(self) -> QHBoxLayout:

@@ -62,7 +62,7 @@ class ThinningPreview(QWidget):
         self.choice = QComboBox()
         self.choice.setAccessibleName(tr("Preview of a thinning"))
         self.choice.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
-        self.choice.setMinimumContentsLength(12)
+        self.choice.setMinimumContentsLength(5)
         self.choice.setToolTip(
             tr(
                 "Greys out the matches that it would leave out, with its parameters in the form; nothing is changed."
@@ -75,6 +75,9 @@ class ThinningPreview(QWidget):
         column = QVBoxLayout(self)
         column.setContentsMargins(8, 2, 8, 4)
         column.setSpacing(2)
+        heading = QLabel(tr("Preview of a thinning"))
+        heading.setProperty("role", "caption")
+        column.addWidget(heading)
         column.addWidget(self.choice)
         column.addWidget(self.said)
         self.said.hide()
@@ -90,10 +93,10 @@ class ThinningPreview(QWidget):
     def _fill(self) -> None:
         from graphos_core import registry
 
-        self.choice.addItem(tr("Thinning: no preview"), "")
+        self.choice.addItem(tr("none"), "")
         for algorithm in registry.algorithms("features", "thinning"):
             if algorithm.name != "every":
-                self.choice.addItem(tr("Thinning: {name}", name=tr(algorithm.label)), algorithm.name)
+                self.choice.addItem(tr(algorithm.label), algorithm.name)
 
     def _recipe_changed(self, stage: str) -> None:
         if stage == "features" and self.choice.currentData():
@@ -124,7 +127,7 @@ class ThinningPreview(QWidget):
         if self._pair is None or pair is not self._pair[0] or not self.choice.currentData():
             return
         self.said.setText(
-            tr("Keeps {n} of {all} matches; they lie in {after} cells of photo 1 of the {before} that had any.",
+            tr("Keeps {n} of {all} matches, in {after} of the {before} cells of the first photo that had any.",
                n=format_value(int(thinned.kept.sum())), all=format_value(len(thinned.kept)),
                after=thinned.cells_after, before=thinned.cells_before).replace(THIN_SPACE, "\u202f")
         )  # fmt: skip

@@ -28,7 +28,8 @@ def paint_legend(
     metrics = painter.fontMetrics()
     line = metrics.height()
     heading = f"{title} [{unit}]" if unit else title
-    width = max(BAR_WIDTH, float(metrics.horizontalAdvance(heading))) + 20
+    width = min(max(BAR_WIDTH, float(metrics.horizontalAdvance(heading))) + 20, area.width() - 16)
+    heading = metrics.elidedText(heading, Qt.TextElideMode.ElideMiddle, max(int(width) - 20, 0))
     box = QRectF(
         area.right() - width - 12,
         area.bottom() - 2 * line - BAR_HEIGHT - 30,
@@ -57,7 +58,9 @@ def _bar(table: str) -> QImage:
 
 
 def _end(value: float, other: float) -> str:
-    """Return an end of the bar with two digits of a fifth of the span between both ends."""
+    """Return an end of the bar: exact between whole numbers, else with two digits of a fifth of the span."""
     if value == 0:
         return "0"
+    if float(value).is_integer() and float(other).is_integer():
+        return format_value(int(value))
     return format_value(value, sigma=abs(value - other) / 5 or None).split(" ±")[0].strip(THIN_SPACE)

@@ -19,8 +19,10 @@ from graphos_py.views.export import Writer, export_menu, image_from_array, write
 from graphos_py.views.painting import is_dark
 from graphos_py.views.pixel_canvas import PixelCanvas
 
-POINTS_AT_MOST = 20000
+POINTS_AT_MOST = 5000
+"""More would hide the heat map."""
 OPACITY = 0.62
+"""Of the heat map over a photo."""
 
 
 class CoverageView(QWidget):
@@ -40,6 +42,7 @@ class CoverageView(QWidget):
         self.found: Coverage | None = None
         self.xy: Array = np.zeros((0, 2))
         self._heat: QImage | None = None
+        self._opacity = OPACITY
         self.canvas = PixelCanvas(self)
         self.canvas.layers = [self._paint]
         self.canvas.empty = (
@@ -64,6 +67,7 @@ class CoverageView(QWidget):
             self.canvas.set_array(None)
             return
         blank = np.full((found.height, found.width), 45 if is_dark(self.palette()) else 235, np.uint8)
+        self._opacity = 1.0 if photo is None else OPACITY
         self.canvas.set_array(blank if photo is None else photo, keep_view=True)
         rgb = colours_of_values(found.counts, 0.0, max(float(found.counts.max()), 1.0), "viridis")
         self._heat = image_from_array(rgb)
@@ -98,7 +102,7 @@ class CoverageView(QWidget):
             cell = QRectF(area.left() + column * wide, area.top() + row * high, wide, high)
             if found.counts[row, column]:
                 colour = self._heat.pixelColor(column, row)
-                colour.setAlphaF(OPACITY)
+                colour.setAlphaF(self._opacity)
                 painter.fillRect(cell, colour)
             else:
                 painter.setPen(Qt.PenStyle.NoPen)
@@ -111,9 +115,9 @@ class CoverageView(QWidget):
         painter.drawRect(area)
 
     def _paint_points(self, painter: QPainter) -> None:
-        chosen = self.xy[:: max(1, len(self.xy) // POINTS_AT_MOST)]
+        chosen = self.xy[:: max(1, -(-len(self.xy) // POINTS_AT_MOST))]
         dots = [QPointF(x, y) for x, y in self.canvas.to_screen(chosen).tolist()]
-        painter.setPen(QPen(QColor(255, 255, 255, 150), 2.0))
+        painter.setPen(QPen(QColor(255, 255, 255, 140), 1.6))
         painter.drawPoints(dots)
 
     def _paint_zones(self, painter: QPainter, area: QRectF, found: Coverage) -> None:

@@ -19,8 +19,8 @@ from graphos_py.views.export import Writer, export_menu, write_csv, write_png, w
 from graphos_py.views.painting import paint_empty_state, quiet_text
 
 GAP = 10.0
-LEAST, MOST = 96.0, 240.0
-"""Side of a panel, px."""
+LEAST, MOST = 84.0, 240.0
+"""Side of a panel, px; the least one follows the font scale."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Shown:
     Attributes
     ----------
     title : str
-        Which photo and which keypoint.
+        Which photo and which keypoint; a second line says where it lies.
     descriptor : uint8 or float32 (d,)
         As it was stored and compared.
     described : Described or None
@@ -93,7 +93,7 @@ class DescriptorView(QWidget):
 
     def minimumSizeHint(self) -> QSize:
         """Keep two rows of panels."""
-        return QSize(int(5 * LEAST + 6 * GAP), self._height(LEAST))
+        return QSize(int(5 * theme().px(LEAST) + 6 * GAP), self._height(theme().px(LEAST)))
 
     def _line(self) -> float:
         return float(self.fontMetrics().height() + 2)
@@ -104,7 +104,7 @@ class DescriptorView(QWidget):
     def _side(self) -> float:
         wide = (self.width() - 6 * GAP) / 5
         tall = (self.height() - 4 * self._line() - 3 * GAP) / 2
-        return float(min(max(min(wide, tall), LEAST), MOST))
+        return float(min(max(min(wide, tall), theme().px(LEAST)), theme().px(MOST)))
 
     def box(self, column: int, row: int) -> QRectF:
         """Return the place of a panel; columns 0 and 1 are this keypoint, 2 and 3 the other, 4 the difference."""
@@ -146,25 +146,25 @@ class DescriptorView(QWidget):
             panels.paint_gradients(
                 painter, self.box(column + 1, 0), found.magnitude, found.direction, found.weight
             )
-            self._caption(painter, column, 0, tr("patch, upright"))
-            self._caption(painter, column + 1, 0, tr("gradients, weighted"))
+            self._caption(painter, column, 0, tr("patch"))
+            self._caption(painter, column + 1, 0, tr("gradients"))
         fans, numbers = self.box(column, 1), self.box(column + 1, 1)
         if shown.binary:
             self._paint_bits(painter, column, shown)
             return
         if shown.descriptor.size == 128:
             panels.paint_fans(painter, fans, shown.grid.reshape(4, 4, 8), high, self.palette())
-            self._caption(painter, column, 1, tr("histogram fans"))
+            self._caption(painter, column, 1, tr("histograms"))
         grey, coloured, bars = panels.grid_boxes(numbers)
         panels.paint_grid(painter, grey, shown.grid, 0.0, high, "grey")
         panels.paint_grid(painter, coloured, shown.grid, 0.0, high, "viridis")
         panels.paint_norms(painter, bars, shown.norms, longest, self.palette())
         whole = format_value(float(np.linalg.norm(shown.grid)), digits=3)
-        self._caption(painter, column + 1, 1, tr("16 × {n}, length {l}", n=shown.grid.shape[1], l=whole))
+        self._caption(painter, column + 1, 1, tr("length {l}", l=whole))
 
     def _paint_bits(self, painter: QPainter, column: int, shown: Shown) -> None:
         panels.paint_grid(painter, self.box(column, 1), shown.grid, 0.0, 1.0, "grey")
-        total = tr("{n} bits, {k} set", n=8 * len(shown.descriptor), k=int(shown.grid.sum()))
+        total = tr("{k} of {n} bits set", n=8 * len(shown.descriptor), k=int(shown.grid.sum()))
         self._caption(painter, column, 1, total)
 
     def _paint_difference(self, painter: QPainter) -> None:
@@ -177,6 +177,8 @@ class DescriptorView(QWidget):
             panels.paint_grid(painter, box, difference, 0.0, 1.0, "viridis")
             said = tr("{n} of {all} bits differ", n=int(difference.sum()), all=8 * len(self.first.descriptor))
             self._caption(painter, 4, 0, said)
+            self._explain(painter, tr("White: a bit is set. Yellow: it differs. The number of different bits is the "
+                                      "distance (Hamming)."))  # fmt: skip
             return
         high = max(float(np.abs(difference).max()), 1e-9)
         signed = QRectF(box.left(), box.top(), 0.62 * box.width(), box.height())
@@ -194,23 +196,34 @@ class DescriptorView(QWidget):
         text = tr("Difference: blue less, red more, up to {h}. Grids: 0 to {m}; a row is a cell from the upper left, a "
                   "column a direction counter-clockwise from the right, a bar the row's length.", h=first,
                   m=format_value(self._highest(), digits=3))  # fmt: skip
-        if self.marked is not None:
-            text = self.describe_mark()
+        self._explain(painter, text)
+
+    def _explain(self, painter: QPainter, text: str) -> None:
+        """Write a text, or what is under the cursor, below the difference."""
         painter.setPen(quiet_text(self.palette()))
         font = painter.font()
         painter.save()
         font.setPointSizeF(theme().points("caption"))
         painter.setFont(font)
         wrap = int(Qt.TextFlag.TextWordWrap) | int(Qt.AlignmentFlag.AlignTop)
-        painter.drawText(self.box(4, 1).adjusted(0, 0, GAP, self._line()), wrap, text)
+        said = text if self.marked is None else self.describe_mark()
+        painter.drawText(self.box(4, 1).adjusted(0, 0, GAP, self._line()), wrap, said)
         painter.restore()
 
     def _title(self, painter: QPainter, column: int, wide: int, text: str) -> None:
         side = self._side()
-        box = QRectF(GAP + column * (side + GAP), GAP, wide * side + (wide - 1) * GAP, 2 * self._line())
-        painter.setPen(self.palette().color(QPalette.ColorRole.Text))
-        flags = int(Qt.TextFlag.TextWordWrap) | int(Qt.AlignmentFlag.AlignVCenter)
-        painter.drawText(box, flags, text)
+        room = wide * side + (wide - 1) * GAP
+        box = QRectF(GAP + column * (side + GAP), GAP, room, self._line())
+        painter.save()
+        font = painter.font()
+        for row, line in enumerate(text.splitlines()[:2]):
+            ink = self.palette().color(QPalette.ColorRole.Text) if row == 0 else quiet_text(self.palette())
+            font.setPointSizeF(theme().points("caption" if row else "body"))
+            painter.setFont(font)
+            painter.setPen(ink)
+            shown = painter.fontMetrics().elidedText(line, Qt.TextElideMode.ElideRight, int(room))
+            painter.drawText(box.translated(0, row * self._line()), Qt.AlignmentFlag.AlignVCenter, shown)
+        painter.restore()
 
     def _caption(self, painter: QPainter, column: int, row: int, text: str) -> None:
         box = self.box(column, row)

@@ -39,7 +39,7 @@ class FunnelView(QWidget):
 
     def minimumSizeHint(self) -> QSize:
         """Keep every line readable."""
-        return QSize(150, self.sizeHint().height())
+        return QSize(120, self.sizeHint().height())
 
     def paintEvent(self, event: QPaintEvent) -> None:
         """Paint the lines."""
@@ -59,7 +59,9 @@ class FunnelView(QWidget):
             top = 4.0 + i * self._line()
             text = QRectF(8, top, width, self.fontMetrics().height())
             share = f"{THIN_SPACE}·{THIN_SPACE}{100 * count / before:.0f}{THIN_SPACE}%" if before else ""
-            figure = format_value(count) + (share if i else "")
+            figure = format_value(count)
+            if i and self.fontMetrics().horizontalAdvance(f"{name}  {figure}{share}") < width:
+                figure += share
             painter.setPen(quiet_text(self.palette()))
             room = text.width() - self.fontMetrics().horizontalAdvance(figure) - 8
             shown = self.fontMetrics().elidedText(name, Qt.TextElideMode.ElideRight, int(room))

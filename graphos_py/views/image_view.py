@@ -190,9 +190,8 @@ class ImageView(QWidget):
         if self.keypoints.count:
             parts.append(self.tr("{n} keypoints").format(n=format_value(self.keypoints.count)))
         width, height = self.canvas.image_size
-        if width:
-            if not self.brief:
-                parts.append(f"{width} × {height}{THIN_SPACE}px")
+        if width and not self.brief:
+            parts.append(f"{width} × {height}{THIN_SPACE}px")
             parts.append(f"{format_value(self.canvas.zoom * 100, digits=3)}{THIN_SPACE}%")
         self._state.setText("      ".join(parts))
 

@@ -21,6 +21,8 @@ OTHER_INK = (255, 120, 190)
 HALO_SHARE = 0.75
 DOT_BELOW = 2.0
 SHIFT = 4
+MOST_INK = 0.3
+"""Circles may cover this share of the picture; where there are more, most keypoints become dots until one zooms in."""
 
 
 class KeypointLayer:
@@ -157,7 +159,7 @@ class KeypointLayer:
             inside &= rows
         angle = np.asarray(f.angle, np.float64)[inside]
         centre, radius = centre[inside], radius[inside]
-        dots = radius < DOT_BELOW * ratio
+        dots = _as_dots(radius, DOT_BELOW * ratio, MOST_INK * mask.size)
         for x, y in np.round(centre[dots]).astype(int).tolist():
             cv2.rectangle(mask, (x, y), (x + 1, y + 1), 255, -1)
         one = 1 << SHIFT
@@ -183,6 +185,19 @@ class KeypointLayer:
             painter.setPen(QPen(colour, width))
             painter.drawEllipse(QPointF(x, y), radius, radius)
             painter.drawLine(QPointF(x, y), tip)
+
+
+def _as_dots(radius: Array, smallest: float, room: float) -> Array:
+    """Return which keypoints are drawn as dots: small ones, and so many others that the circles' ink fits `room`."""
+    dots = radius < smallest
+    large = np.flatnonzero(~dots)
+    ink = 2 * math.pi * float(radius[large].sum())
+    if ink > room:
+        keep = max(int(len(large) * room / ink), 1)
+        kept = large[np.linspace(0, len(large) - 1, keep).astype(int)]
+        dots[:] = True
+        dots[kept] = False
+    return np.asarray(dots)
 
 
 def _tinted(mask: Array, ink: tuple[int, int, int]) -> QImage:

@@ -108,7 +108,12 @@ class MatchOverlay(QWidget):
             order = [*_evenly(np.flatnonzero(seen & ~kept), POINTS_AT_MOST).tolist(),
                      *_evenly(np.flatnonzero(seen & kept), POINTS_AT_MOST).tolist()]  # fmt: skip
             for index in order:
-                for radius, colour in ((2.7, (0, 0, 0, 190)), (1.8, colours[index])):
+                rings = (
+                    ((2.7, (0, 0, 0, 190)), (1.8, colours[index]))
+                    if kept[index]
+                    else ((1.3, colours[index]),)
+                )
+                for radius, colour in rings:
                     size = round(radius * ratio * ONE)
                     cv2.circle(ink, positions[index].tolist(), size, colour, -1, cv2.LINE_AA, SHIFT)
         picture = QImage(ink.data, width, height, 4 * width, QImage.Format.Format_ARGB32_Premultiplied).copy()

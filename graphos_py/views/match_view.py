@@ -13,12 +13,13 @@ from PySide6.QtGui import (
     QKeyEvent,
     QResizeEvent,
 )
-from PySide6.QtWidgets import QBoxLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QBoxLayout, QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
 from graphos_core.data.cameras import Camera
 from graphos_core.data.matches import PairMatches
 from graphos_core.data.record import Array
 from graphos_core.number_format import THIN_SPACE, format_value
+from graphos_py.translation import tr
 from graphos_py.views.background import Background
 from graphos_py.views.export import Writer, export_menu, write_csv, write_png, write_svg
 from graphos_py.views.match_colours import RESIDUAL, MatchColours, colours_by, residual_range, residual_title
@@ -82,6 +83,7 @@ class MatchView(QWidget):
         self._over = MatchOverlay(self, self._picture)
         self._text = QLabel()
         self._text.setContentsMargins(8, 2, 8, 2)
+        self._text.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         box = QVBoxLayout(self)
         box.setContentsMargins(0, 0, 0, 0)
         box.setSpacing(0)
@@ -306,21 +308,29 @@ class MatchView(QWidget):
         if pair is None and not count:
             self._text.setText("")
             return
-        parts = [self.tr("{n} verified matches").format(n=format_value(count))]
-        if pair is not None:
-            parts[0] += self.tr(" of {n} candidates").format(n=format_value(pair.candidates))
-            if pair.reason:
-                parts.append(pair.reason)
         shown = self.selected if self.selected >= 0 else self.hovered
-        if 0 <= shown < count:
-            (xa, ya), (xb, yb) = self.xy[0][shown], self.xy[1][shown]
-            parts.append(f"#{shown}   {xa:.2f}, {ya:.2f} ↔ {xb:.2f}, {yb:.2f}{THIN_SPACE}px")
-            if self.residuals is not None:
-                distance = format_value(float(self.residuals[shown]), digits=2, unit="px")
-                parts.append(f"{residual_title(pair)} {distance}")
-            if pair is not None and len(pair.ratio) == count:
-                parts.append(self.tr("ratio {q}").format(q=f"{float(pair.ratio[shown]):.2f}"))
-        self._text.setText("      ".join(parts))
+        self._text.setText("      ".join(self._facts(shown) if 0 <= shown < count else self._counts(count)))
+
+    def _counts(self, count: int) -> list[str]:
+        parts = [self.tr("{n} verified matches").format(n=format_value(count))]
+        if self._pair is not None:
+            parts[0] += self.tr(" of {n} candidates").format(n=format_value(self._pair.candidates))
+            if self._pair.reason:
+                parts.append(tr(self._pair.reason))
+        return parts
+
+    def _facts(self, index: int) -> list[str]:
+        (xa, ya), (xb, yb) = self.xy[0][index], self.xy[1][index]
+        parts = [f"#{index}"]
+        if self.residuals is not None:
+            distance = format_value(float(self.residuals[index]), digits=2, unit="px")
+            mapped = self._geometry is not None and self._geometry.mapped
+            parts.append(
+                tr("{d} from the mapped point" if mapped else "{d} from the epipolar line", d=distance)
+            )
+        if self._pair is not None and len(self._pair.ratio) == len(self.xy[0]):
+            parts.append(self.tr("ratio {q}").format(q=f"{float(self._pair.ratio[index]):.2f}"))
+        return [*parts, f"{xa:.1f}, {ya:.1f} ↔ {xb:.1f}, {yb:.1f}{THIN_SPACE}px"]
 
     def screen_positions(self, side: int) -> Array:
         """Return the matches of photo `side` (n, 2) in px of the picture area."""

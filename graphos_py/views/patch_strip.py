@@ -69,8 +69,18 @@ class PatchStrip(QWidget):
         """Keep the row."""
         return QSize(300, self.sizeHint().height())
 
+    @property
+    def in_sight(self) -> int:
+        """How many patches there is room for with their texts."""
+        return min(len(self.patches), max(1, int(self.width() // (self._widest + 12))))
+
+    @property
+    def _widest(self) -> int:
+        texts = [text for patch in self.patches for text in patch.lines]
+        return max((self.fontMetrics().horizontalAdvance(text) for text in texts), default=0)
+
     def _box(self, index: int) -> QRectF:
-        step = min(self.width() / max(len(self.patches), 1), 150.0)
+        step = min(self.width() / max(self.in_sight, 1), max(150.0, self._widest + 12.0))
         return QRectF(index * step + 4, 2, step - 8, self.height() - 4)
 
     def paintEvent(self, event: QPaintEvent) -> None:
@@ -79,10 +89,10 @@ class PatchStrip(QWidget):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         if not self.patches:
             painter.setPen(quiet_text(self.palette()))
-            wrap = int(Qt.TextFlag.TextWordWrap) | int(Qt.AlignmentFlag.AlignVCenter)
+            wrap = int(Qt.TextFlag.TextWordWrap) | int(Qt.AlignmentFlag.AlignCenter)
             painter.drawText(self.rect().adjusted(8, 0, -8, 0), wrap, self.empty)
             return
-        for index, patch in enumerate(self.patches):
+        for index, patch in enumerate(self.patches[: self.in_sight]):
             self._paint(painter, self._box(index), index, patch)
 
     def _paint(self, painter: QPainter, box: QRectF, index: int, patch: Patch) -> None:
@@ -113,7 +123,7 @@ class PatchStrip(QWidget):
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Choose the patch under the cursor."""
-        for index in range(len(self.patches)):
+        for index in range(self.in_sight):
             if self._box(index).contains(event.position()):
                 self._choose(index)
 
@@ -121,7 +131,7 @@ class PatchStrip(QWidget):
         """Left and right go through the patches."""
         step = {Qt.Key.Key_Right: 1, Qt.Key.Key_Left: -1}.get(Qt.Key(event.key()), 0)
         if step and self.patches:
-            self._choose(min(max(self.selected + step, 0), len(self.patches) - 1))
+            self._choose(min(max(self.selected + step, 0), self.in_sight - 1))
         else:
             super().keyPressEvent(event)
 

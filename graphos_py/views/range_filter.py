@@ -221,7 +221,7 @@ class RangeFilter(QWidget):
     def _refresh(self) -> None:
         self.strip.shares = [self._share_of(self.low), self._share_of(self.high)]
         count, total = int(self.passing.sum()), len(self._values)
-        said = tr("{label}: {n} of {all}", label=self.label, n=format_value(count), all=format_value(total))
+        said = tr("{label}  {n} / {all}", label=self.label, n=format_value(count), all=format_value(total))
         self.text.setText(said)
         self.strip.setAccessibleName(said)
         self.strip.update()

@@ -61,8 +61,8 @@ class TableView(QWidget):
         self.table.empty = (title, hint)
         self.table.viewport().update()
 
-    def set_table(self, columns: Sequence[Column]) -> None:
-        """Show columns of equal length; the chosen sorting stays.
+    def set_table(self, columns: Sequence[Column], keep_widths: bool = False) -> None:
+        """Show columns of equal length; the chosen sorting stays, and with `keep_widths` the width of each column.
 
         Raises
         ------
@@ -76,7 +76,8 @@ class TableView(QWidget):
         self.model.set_columns(columns)
         if 0 <= section < len(columns):
             self.model.sort(section, order)
-        self.table.resizeColumnsToContents()
+        if not keep_widths:
+            self.table.resizeColumnsToContents()
 
     def selected_rows(self) -> list[int]:
         """Return the selected rows as given to `set_table`."""
@@ -156,7 +157,7 @@ class _Table(QTableView):
         self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 8)
         self.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.Interactive)
         self.horizontalHeader().setHighlightSections(False)
-        self.horizontalHeader().setResizeContentsPrecision(200)  # rows that a width is chosen by
+        self.horizontalHeader().setResizeContentsPrecision(60)  # rows that a width is chosen by
 
     def changeEvent(self, event: QEvent) -> None:
         """Follow the font scale."""
