@@ -117,8 +117,8 @@ class PairMatrix(QWidget):
         painter.setFont(font)
         painter.setPen(theme().colour("muted"))
         painter.drawText(
-            QRectF(left, top + 10, self.width() - left, theme().px(22)),
-            Qt.AlignmentFlag.AlignTop,
+            QRectF(left, top + 10, self.width() - left, theme().px(44)),
+            int(Qt.AlignmentFlag.AlignTop) | int(Qt.TextFlag.TextWordWrap),
             tr("0 to {n} verified matches", n=format_value(self._most)),
         )
 

@@ -18,7 +18,8 @@ from graphos_py.jobs import Job
 from graphos_py.result_page import ResultPage
 from graphos_py.session import Session
 from graphos_py.translation import tr
-from graphos_py.views.descriptor_view import DescriptorView, Shown
+from graphos_py.views.descriptor_shown import Shown
+from graphos_py.views.descriptor_view import DescriptorView
 from graphos_py.views.image_view import ImageView
 from graphos_py.views.patch_strip import Patch, PatchStrip
 

@@ -10,7 +10,7 @@ import numpy as np
 from graphos_core.data import Array, PairMatches, Photo
 from graphos_core.features.graph import match_counts
 from graphos_core.rendering.graph_layout import flat_layout, force_layout
-from graphos_py.views.graph_view import Edge
+from graphos_py.views.graph_marks import Edge
 
 STRENGTH, GNSS, ORIENTATION = "strength", "gnss", "orientation"
 EARTH_M = 6_371_000.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QSlider
+from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QSlider, QVBoxLayout
 
 from graphos_core.data import Array, PairMatches
 from graphos_core.features.graph import ImageGraph, image_graph
@@ -67,15 +67,19 @@ class GraphPage(ResultPage):
         self.layouts = QComboBox()
         self.layouts.setAccessibleName(tr("Where the photos are drawn"))
         self.layouts.activated.connect(self._place)
-        bar.addWidget(self.layouts)
+        bar.addWidget(self.layouts, 0, Qt.AlignmentFlag.AlignTop)
         self.slider = QSlider(Qt.Orientation.Horizontal)
         self.slider.setRange(0, STEPS)
         self.slider.setAccessibleName(tr("Hide pairs with fewer matches"))
         self.slider.setToolTip(tr("Hides weak pairs in this picture only; nothing is deleted."))
         self.slider.valueChanged.connect(self._hide)
-        bar.addWidget(self.slider, 1)
         self.threshold = QLabel()
-        bar.addWidget(self.threshold)
+        self.threshold.setProperty("role", "caption")
+        column = QVBoxLayout()
+        column.setSpacing(0)
+        column.addWidget(self.slider)
+        column.addWidget(self.threshold, 0, Qt.AlignmentFlag.AlignRight)
+        bar.addLayout(column, 1)
         return bar
 
     # ------------------------------------------------------------------------------------------------ public

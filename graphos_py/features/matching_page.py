@@ -133,7 +133,7 @@ class MatchingPage(ResultPage):
         self.lines.toggled.connect(self.matches.show_lines)
         bar.addWidget(self.lines)
         self.descriptors = QToolButton()
-        self.descriptors.setText(tr("Descriptors"))
+        self.descriptors.setText(tr("Compare"))
         self.descriptors.setToolTip(
             tr("Compare the descriptors of the selected match (click one; N and P go through)")
         )

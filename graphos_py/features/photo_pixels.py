@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from PySide6.QtCore import QObject
+from PySide6.QtCore import QObject, Slot
 
 from graphos_core.data import Array
 from graphos_py.session import Session
@@ -20,7 +20,8 @@ class PhotoPixels(QObject):
     def __init__(self, session: Session, parent: QObject) -> None:
         super().__init__(parent)
         self.session = session
-        self._wanted = ""
+        self._wanted, self._index = "", -1
+        self._then: Callable[[int, Array], None] | None = None
         self._known: dict[str, Array] = {}
 
     def read(self, index: int, then: Callable[[int, Array], None]) -> None:
@@ -30,17 +31,18 @@ class PhotoPixels(QObject):
         if not 0 <= index < len(photos):
             return
         photo = self.session.seen(photos[index])
-        self._wanted = photo.digest
+        self._wanted, self._index, self._then = photo.digest, index, then
         if photo.digest in self._known:
             then(index, self._known[photo.digest])
-            return
+        else:
+            read_photo(self.session, photo, self._take)
 
-        def take(read: tuple[str, Array]) -> None:
-            digest, pixels = read
-            while len(self._known) >= KEPT:
-                self._known.pop(next(iter(self._known)))
-            self._known[digest] = pixels
-            if digest == self._wanted:
-                then(index, pixels)
-
-        read_photo(self.session, photo, take)
+    @Slot(object)
+    def _take(self, read: tuple[str, Array]) -> None:
+        """Keep what was read, and hand it on if it is still wanted; not called once the page is gone."""
+        digest, pixels = read
+        while len(self._known) >= KEPT:
+            self._known.pop(next(iter(self._known)))
+        self._known[digest] = pixels
+        if digest == self._wanted and self._then is not None:
+            self._then(self._index, pixels)

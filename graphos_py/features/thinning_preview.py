@@ -77,6 +77,7 @@ class ThinningPreview(QWidget):
         column.setSpacing(2)
         heading = QLabel(tr("Preview of a thinning"))
         heading.setProperty("role", "caption")
+        heading.setWordWrap(True)
         column.addWidget(heading)
         column.addWidget(self.choice)
         column.addWidget(self.said)

@@ -29,7 +29,7 @@ def paint_legend(
     line = metrics.height()
     heading = f"{title} [{unit}]" if unit else title
     width = min(max(BAR_WIDTH, float(metrics.horizontalAdvance(heading))) + 20, area.width() - 16)
-    heading = metrics.elidedText(heading, Qt.TextElideMode.ElideMiddle, max(int(width) - 20, 0))
+    heading = metrics.elidedText(heading, Qt.TextElideMode.ElideMiddle, max(int(width) - 16, 0))
     box = QRectF(
         area.right() - width - 12,
         area.bottom() - 2 * line - BAR_HEIGHT - 30,

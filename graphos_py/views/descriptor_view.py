@@ -2,62 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QContextMenuEvent, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from graphos_core.data.record import Array
-from graphos_core.features.descriptor import Described
 from graphos_core.number_format import format_value
 from graphos_py.theme import theme
 from graphos_py.translation import tr
 from graphos_py.views import descriptor_panels as panels
+from graphos_py.views.descriptor_shown import Shown
 from graphos_py.views.export import Writer, export_menu, write_csv, write_png, write_svg
 from graphos_py.views.painting import paint_empty_state, quiet_text
 
 GAP = 10.0
 LEAST, MOST = 84.0, 240.0
 """Side of a panel, px; the least one follows the font scale."""
-
-
-@dataclass(frozen=True)
-class Shown:
-    """A keypoint as it is shown.
-
-    Attributes
-    ----------
-    title : str
-        Which photo and which keypoint; a second line says where it lies.
-    descriptor : uint8 or float32 (d,)
-        As it was stored and compared.
-    described : Described or None
-        Patch and gradients around it; None where they could not be cut.
-    metric : {"l2", "hamming"}
-    """
-
-    title: str
-    descriptor: Array
-    described: Described | None
-    metric: str = "l2"
-
-    @property
-    def binary(self) -> bool:
-        """Whether the bytes hold bits."""
-        return self.metric == "hamming"
-
-    @property
-    def grid(self) -> Array:
-        """The numbers or bits in rows."""
-        make = panels.bit_grid if self.binary else panels.number_grid
-        return make(self.descriptor)
-
-    @property
-    def norms(self) -> Array:
-        """Length of every row of numbers."""
-        return np.asarray(np.linalg.norm(self.grid, axis=1))
 
 
 class DescriptorView(QWidget):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, Signal
@@ -17,7 +17,6 @@ from PySide6.QtGui import (
     QPainter,
     QPaintEvent,
     QPalette,
-    QPen,
     QResizeEvent,
     QWheelEvent,
 )
@@ -30,24 +29,14 @@ from graphos_py.theme import theme
 from graphos_py.translation import tr
 from graphos_py.views.colour_legend import paint_legend
 from graphos_py.views.export import Writer, export_menu, image_from_array, write_csv, write_png, write_svg
-from graphos_py.views.painting import is_dark, paint_empty_state, plate
+from graphos_py.views.graph_marks import Edge, paint_edge, paint_node
+from graphos_py.views.painting import is_dark, paint_empty_state
 
-THINNEST, THICKEST = 1.4, 7.0
 DRAG_STARTS = 4.0
 REACH = 7.0
 """How far from an edge a click still meets it, screen px."""
 MARGIN = 60.0
-
-
-@dataclass(frozen=True)
-class Edge:
-    """A verified pair: row of the pair, its photos, its matches, and whether the graph falls apart without it."""
-
-    pair: int
-    a: int
-    b: int
-    matches: int
-    weak: bool = False
+SMALLEST_NODE = 26.0
 
 
 class GraphView(QWidget):
@@ -133,7 +122,7 @@ class GraphView(QWidget):
         if len(self.places):
             low, high = self.places.min(axis=0), self.places.max(axis=0)
             wide, tall = (float(v) for v in np.maximum(high - low, 1e-9))
-            node = self.node_size()
+            node = self._largest_node()
             room = (self.width() - node - MARGIN, self.height() - node - MARGIN - self.fontMetrics().height())
             self._zoom = max(min(room[0] / wide, room[1] / tall), 1e-9)
             if max(wide, tall) <= 1e-9:
@@ -147,10 +136,17 @@ class GraphView(QWidget):
         return np.asarray(self.places * self._zoom + self._shift)
 
     def node_size(self) -> float:
-        """Return the longer side of a node, px: smaller the more there are."""
-        count = max(len(self.names), 1)
-        room = np.sqrt(max(self.width() * self.height(), 1) / count)
-        return float(np.clip(0.42 * room, 22.0, theme().px(76)))
+        """Return the longer side of a node, px: smaller the more there are and the closer they lie."""
+        if len(self.places) < 2:
+            return self._largest_node()
+        at = self.to_screen()
+        apart = np.linalg.norm(at[:, None] - at[None], axis=2)
+        np.fill_diagonal(apart, np.inf)
+        return float(np.clip(0.95 * np.median(apart.min(axis=1)), SMALLEST_NODE, self._largest_node()))
+
+    def _largest_node(self) -> float:
+        room = np.sqrt(max(self.width() * self.height(), 1) / max(len(self.names), 1))
+        return float(np.clip(0.42 * room, SMALLEST_NODE, theme().px(76)))
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Keep the whole graph in sight."""
@@ -174,13 +170,21 @@ class GraphView(QWidget):
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
         at = self.to_screen()
         most = self.most
+
+        def colour_of(edge: Edge) -> tuple[QColor, float]:
+            share = edge.matches / most
+            rgb = colours_of_values(np.array([share]), 0.0, 1.0, self._table)[0]
+            return QColor(*rgb.tolist()), share
+
         for edge in sorted(self.shown, key=lambda edge: edge.matches):
-            self._paint_edge(painter, edge, at, most)
+            paint_edge(painter, edge, at, colour_of(edge))
         if self.hovered is not None and self.hovered.matches >= self.least:
-            self._paint_edge(painter, self.hovered, at, most, marked=True)
+            paint_edge(painter, self.hovered, at, colour_of(self.hovered), marked=True)
         order = [i for i in range(len(self.names)) if i != self.selected]
         for i in [*order, *([self.selected] if 0 <= self.selected < len(self.names) else [])]:
-            self._paint_node(painter, i, at[i])
+            picture = self._pictures[i] if i < len(self._pictures) else None
+            chosen, cut = i == self.selected, i in self.cut_photos
+            paint_node(painter, self._node_box(i, at[i]), i, picture, self.palette(), chosen=chosen, cut=cut)
         if self.edges:
             area = QRectF(0, 0, self.width(), self.height())
             paint_legend(
@@ -196,19 +200,6 @@ class GraphView(QWidget):
     def _table(self) -> str:
         return "bright viridis" if is_dark(self.palette()) else "viridis"
 
-    def _paint_edge(self, painter: QPainter, edge: Edge, at: Array, most: int, marked: bool = False) -> None:
-        a, b = QPointF(*at[edge.a].tolist()), QPointF(*at[edge.b].tolist())
-        share = edge.matches / most
-        width = THINNEST + (THICKEST - THINNEST) * share
-        if edge.weak or marked:
-            colour = theme().colour("accent" if marked else "bad")
-            style = Qt.PenStyle.SolidLine if marked else Qt.PenStyle.DashLine
-            painter.setPen(QPen(colour, width + 5.0, style))
-            painter.drawLine(a, b)
-        rgb = colours_of_values(np.array([edge.matches]), 0.0, float(most), self._table)[0]
-        painter.setPen(QPen(QColor(*rgb.tolist()), width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
-        painter.drawLine(a, b)
-
     def _node_box(self, index: int, at: Array) -> QRectF:
         size = self.node_size()
         wide, tall = size, 0.75 * size
@@ -217,25 +208,6 @@ class GraphView(QWidget):
             longer = max(picture.width(), picture.height(), 1)
             wide, tall = size * picture.width() / longer, size * picture.height() / longer
         return QRectF(float(at[0]) - wide / 2, float(at[1]) - tall / 2, wide, tall)
-
-    def _paint_node(self, painter: QPainter, index: int, at: Array) -> None:
-        box = self._node_box(index, at)
-        if index < len(self._pictures):
-            painter.drawImage(box, self._pictures[index])
-        else:
-            painter.fillRect(box, self.palette().color(QPalette.ColorRole.Button))
-        chosen, cut = index == self.selected, index in self.cut_photos
-        colour = theme().colour("accent" if chosen else "bad" if cut else "border")
-        style = Qt.PenStyle.DashLine if cut and not chosen else Qt.PenStyle.SolidLine
-        painter.setPen(QPen(colour, 3.0 if chosen or cut else 1.0, style))
-        painter.setBrush(Qt.BrushStyle.NoBrush)
-        painter.drawRect(box)
-        number = str(index + 1)
-        metrics = painter.fontMetrics()
-        wide = metrics.horizontalAdvance(number) + 8
-        label = QRectF(box.left(), box.top(), wide, metrics.height())
-        plate(painter, label, self.palette())
-        painter.drawText(label, Qt.AlignmentFlag.AlignCenter, number)
 
     # people
 

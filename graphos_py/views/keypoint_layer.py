@@ -21,8 +21,9 @@ OTHER_INK = (255, 120, 190)
 HALO_SHARE = 0.75
 DOT_BELOW = 2.0
 SHIFT = 4
-MOST_INK = 0.3
-"""Circles may cover this share of the picture; where there are more, most keypoints become dots until one zooms in."""
+MOST_INK, INK_WIDTH = 0.5, 3.0
+"""Circles, of this width with their edge, may cover this share of the photo in sight; where there are more, most
+keypoints become dots until one zooms in."""
 
 
 class KeypointLayer:
@@ -159,7 +160,9 @@ class KeypointLayer:
             inside &= rows
         angle = np.asarray(f.angle, np.float64)[inside]
         centre, radius = centre[inside], radius[inside]
-        dots = _as_dots(radius, DOT_BELOW * ratio, MOST_INK * mask.size)
+        seen = canvas.visible()
+        room = MOST_INK * seen.width() * seen.height() * (canvas.zoom * ratio) ** 2
+        dots = _as_dots(radius, DOT_BELOW * ratio, room / INK_WIDTH)
         for x, y in np.round(centre[dots]).astype(int).tolist():
             cv2.rectangle(mask, (x, y), (x + 1, y + 1), 255, -1)
         one = 1 << SHIFT
