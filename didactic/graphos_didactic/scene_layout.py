@@ -97,26 +97,25 @@ def clipped(xy: Array, box: Box) -> Array:
     Dashes of a line that goes on for miles outside the panel would take a painter seconds.
     """
     left, top, width, height = box
-    inside = (xy >= (left, top)) & (xy <= (left + width, top + height))
+    inside = (xy >= (left, top)) & (xy <= (left + width, top + height)) | np.isnan(xy)
     if len(xy) < 2 or inside.all():
         return xy
     start, along = xy[:-1], np.diff(xy, axis=0)
     low, high = np.zeros(len(along)), np.ones(len(along))
     with np.errstate(divide="ignore", invalid="ignore"):
-        for axis, (first, last) in enumerate(((left, left + width), (top, top + height))):
-            a, b = (first - start[:, axis]) / along[:, axis], (last - start[:, axis]) / along[:, axis]
+        for axis, (near, far) in enumerate(((left, left + width), (top, top + height))):
+            a, b = (near - start[:, axis]) / along[:, axis], (far - start[:, axis]) / along[:, axis]
             still = along[:, axis] == 0
-            out = still & ((start[:, axis] < first) | (start[:, axis] > last))
+            out = still & ((start[:, axis] < near) | (start[:, axis] > far))
             low = np.where(still, np.where(out, 2.0, low), np.maximum(low, np.minimum(a, b)))
             high = np.where(still, high, np.minimum(high, np.maximum(a, b)))
     keep = (low < high) & np.isfinite(along).all(axis=1)
-    pieces: list[Array] = []
-    for p, d, u, v in zip(start[keep], along[keep], low[keep], high[keep], strict=True):
-        if pieces and np.array_equal(pieces[-1], p + u * d):
-            pieces.append(p + v * d)
-        else:
-            pieces += [np.full(2, np.nan), p + u * d, p + v * d]
-    return np.array(pieces[1:]) if pieces else np.empty((0, 2))
+    start, along = start[keep], along[keep]
+    first, last = start + low[keep, None] * along, start + high[keep, None] * along
+    fresh = np.ones(len(start), bool)  # a piece that does not go on where the one before it ended
+    fresh[1:] = (first[1:] != last[:-1]).any(axis=1)
+    pieces = np.stack([np.full_like(first, np.nan), first, last], axis=1)
+    return np.asarray(pieces[np.stack([fresh, fresh, np.ones_like(fresh)], axis=1)][1:]).reshape(-1, 2)
 
 
 def corners(box: Box) -> Array:

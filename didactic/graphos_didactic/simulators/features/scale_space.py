@@ -24,7 +24,6 @@ from graphos_didactic.simulators.features.scale_space_drawing import (
     response_marks,
     response_top,
     still_shown,
-    strongest,
     truth_marks,
 )
 from graphos_didactic.simulators.features.scale_space_model import WORDS, Looked
@@ -101,7 +100,7 @@ def _panels(seen: Looked, step: int) -> tuple[Panel, ...]:
     p, top = seen.params, response_top(seen)
     name = {"blobs": "blobs", "edges": "edges"}.get(p.picture, photo_or_simulated(seen.setting)[1])
     blur, wider = (seen.space.blur(seen.octave, seen.layer + i) for i in (0, 1))
-    difference = f"D = L({wider:.1f}) − L({blur:.1f}) · ±{1e3 * strongest(seen):.0f} ‰" if step >= 1 else ""
+    difference = f"D = L({wider:.1f}) − L({blur:.1f}) · ±{1e3 * seen.strongest:.0f} ‰" if step >= 1 else ""
     what = "D" if step >= 1 else "L"
     return (
         Panel(name="photo", title=f"{name} · octave {seen.octave}" if step >= 2 else name, rect=(0.0, 0.0, 0.25, 0.345), kind="picture", x_range=across,

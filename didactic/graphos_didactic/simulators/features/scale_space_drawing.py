@@ -25,11 +25,6 @@ PER_MILLE = 1000.0
 TURN = np.linspace(0.0, 2.0 * np.pi, 25)
 
 
-def strongest(seen: Looked) -> float:
-    """Return the response at which the colours of the differences end, grey range 0 to 1."""
-    return max(0.01, *(float(np.percentile(np.abs(d[1]), 99.7)) / GREY for d in seen.space.differences[:4]))
-
-
 def layer_marks(seen: Looked, step: int) -> list[AnyMark]:
     """Draw the photo, the Gaussian layer and the difference looked at; the same place is the same in all three."""
     rows, columns = seen.shape
@@ -44,7 +39,7 @@ def layer_marks(seen: Looked, step: int) -> list[AnyMark]:
         Picture(panel="blurred", thing="layer", pixels=np.clip(blurred, 0, 255).astype(np.uint8), extent=extent),
     ]  # fmt: skip
     if step >= 1:
-        top = strongest(seen)
+        top = seen.strongest
         pixels = colours_of_values(difference / GREY, -top, top, "diverging")
         marks.append(Picture(panel="difference", thing="layer", pixels=pixels, extent=extent))
     return marks
@@ -91,23 +86,9 @@ def _circles(centres: Array, radii: Array) -> Array:
 
 def pyramid_marks(seen: Looked, step: int) -> list[AnyMark]:
     """Draw every layer of every octave as a small picture: octaves from top to bottom, layers from left to right."""
-    stacks = seen.space.differences if step >= 1 else seen.space.gaussians
-    count, top = len(stacks[0]), strongest(seen)
-    width, height = CELL
-    sheet = np.full((OCTAVES * height, count * width, 3), 128, np.uint8)
-    for octave, stack in enumerate(stacks):
-        for i, image in enumerate(stack):
-            small = cv2.resize(image, CELL, interpolation=cv2.INTER_AREA if octave < 2 else cv2.INTER_NEAREST)
-            colours = (
-                colours_of_values(small / GREY, -top, top, "diverging") if step >= 1
-                else np.repeat(np.clip(small, 0, 255).astype(np.uint8)[..., None], 3, axis=2)
-            )  # fmt: skip
-            sheet[octave * height : (octave + 1) * height, i * width : (i + 1) * width] = colours
-            sheet[octave * height, i * width : (i + 1) * width] = 60
-            sheet[octave * height : (octave + 1) * height, i * width] = 60
-    marks: list[AnyMark] = [
-        Picture(panel="pyramid", thing="layer", pixels=sheet, extent=(0.0, 0.0, float(count), float(OCTAVES)))
-    ]
+    sheet = seen.kept("sheet", step >= 1, lambda: _sheet(seen, step >= 1))
+    extent = (0.0, 0.0, float(sheet.shape[1] // CELL[0]), float(OCTAVES))
+    marks: list[AnyMark] = [Picture(panel="pyramid", thing="layer", pixels=sheet, extent=extent)]
     row, column = seen.octave, seen.layer
     corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) + np.array([column, row])
     marks.append(Polygon(panel="pyramid", thing="layer", role="second", xy=corners, fill=0.0, width=3.0))
@@ -118,6 +99,23 @@ def pyramid_marks(seen: Looked, step: int) -> list[AnyMark]:
         text = f"{seen.space.blur(octave, 0.0):.1f} px"
         marks.append(Words(panel="pyramid", role="text", at=(0.0, octave + 0.84), text=text, anchor="left"))
     return marks
+
+
+def _sheet(seen: Looked, differences: bool) -> Array:
+    """Return all layers as one picture, uint8 (octaves · 48, layers · 64, 3)."""
+    stacks = seen.space.differences if differences else seen.space.gaussians
+    (width, height), top = CELL, seen.strongest
+    sheet = np.full((OCTAVES * height, len(stacks[0]) * width, 3), 128, np.uint8)
+    for octave, stack in enumerate(stacks):
+        for i, image in enumerate(stack):
+            small = cv2.resize(image, CELL, interpolation=cv2.INTER_AREA if octave < 2 else cv2.INTER_NEAREST)
+            cell = sheet[octave * height : (octave + 1) * height, i * width : (i + 1) * width]
+            if differences:
+                cell[:] = colours_of_values(small / GREY, -top, top, "diverging")
+            else:
+                cell[:] = np.clip(small, 0, 255).astype(np.uint8)[..., None]
+            cell[0], cell[:, 0] = 60, 60
+    return sheet
 
 
 def response_marks(seen: Looked, step: int) -> list[AnyMark]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import cv2
 import numpy as np
@@ -82,6 +84,20 @@ class Looked:
             "extrema", key, lambda: find_extrema(self.space, contrast=p.contrast, edge=p.edge, least=LEAST)
         )
         return made
+
+    @property
+    def strongest(self) -> float:
+        """Response at which the colours of the differences end, grey range 0 to 1."""
+        layers = [stack[1] for stack in self.space.differences[:4]]
+        made: float = self.kept(
+            "strongest", None,
+            lambda: max(0.01, *(float(np.percentile(np.abs(layer), 99.7)) / GREY for layer in layers)),
+        )  # fmt: skip
+        return made
+
+    def kept(self, kind: str, more: Any, make: Callable[[], Any]) -> Any:
+        """Return what is made of the scale space, from what was kept if it is the same one."""
+        return _kept.get(kind, (self.grey, self.params.layers, self.params.sigma, more), make)
 
     @property
     def shape(self) -> tuple[int, int]:

@@ -84,7 +84,13 @@ class Decolorized:
 
     def ccpr(self, method: str) -> float:
         """Return the mean of the colour contrast preserving ratio, 0 to 1."""
-        return self.quality(method).means()[0]
+        if method not in self._ccpr:
+            self._ccpr[method] = self.quality(method).means()[0]
+        return self._ccpr[method]
+
+    @cached_property
+    def _ccpr(self) -> dict[str, float]:
+        return {}
 
     def weights(self, iterations: int) -> Array:
         """Return the nine weights after some iterations, float64 (9,)."""
@@ -161,7 +167,7 @@ class Decolorized:
         """Return how many pairs keep less than half of their difference."""
         return sum(kept < 0.5 * delta for kept, (_, delta) in zip(self.kept(method), self.pairs, strict=True))
 
-    @property
+    @cached_property
     def best(self) -> str:
         """The way to grey with the largest CCPR."""
         return max(METHODS, key=self.ccpr)

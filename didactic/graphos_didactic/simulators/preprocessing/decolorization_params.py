@@ -9,7 +9,7 @@ from graphos_core.preprocessing.decolorization import DecolorParams
 
 LESSON = "preprocessing/decolorization"
 _ENGINE = DecolorParams.declarations()
-FIT_PIXELS = 4000
+FIT_PIXELS = 3000
 """The weights are found on so many pixels: the simulated pictures have few colours."""
 
 
