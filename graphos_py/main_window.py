@@ -166,6 +166,7 @@ class MainWindow(QMainWindow):
         project.making.connect(self.start_page.show_work)
         project.made.connect(self.start_page.hide_work)
         self.images.asked.connect(project.ask)
+        self.images.lesson.connect(lambda name: self._learn("open_lesson", name))
         self.tree.asked.connect(project.ask)
         self.tree.run_chosen.connect(project.use_run)
         self.tree.run_deleted.connect(project.delete_run)

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from PySide6.QtCore import QEvent, QObject, Qt
+from PySide6.QtCore import QEvent, QObject, Qt, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent
 from PySide6.QtWidgets import QFileDialog, QHBoxLayout, QLabel, QMenu, QToolButton, QVBoxLayout, QWidget
 
 from graphos_core.data import Array, Photo
 from graphos_core.errors import UserError
-from graphos_core.masks import PhotoMask, Polygon, PolygonKind, photo_mask, read_masks, write_masks
+from graphos_core.masks import LEARN, PhotoMask, Polygon, PolygonKind, photo_mask, read_masks, write_masks
 from graphos_core.number_format import THIN_SPACE
 from graphos_py.icons import bind_icon
 from graphos_py.masks.layer import MaskLayer
@@ -51,7 +51,14 @@ class MaskEditor(QWidget):
     session : Session
     canvas : PixelCanvas
         Shows the photo; its layers and events are used.
+
+    Signals
+    -------
+    lesson(name)
+        The person wants to know more.
     """
+
+    lesson = Signal(str)
 
     def __init__(self, session: Session, canvas: PixelCanvas) -> None:
         super().__init__()
@@ -110,6 +117,9 @@ class MaskEditor(QWidget):
         self.importing.setMenu(menu)
         self.importing.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         bar.addWidget(self.importing)
+        more = self._button("explain", "", tr("What masks are for: the lesson"))
+        more.clicked.connect(lambda: self.lesson.emit(LEARN))
+        bar.addWidget(more)
         return bar
 
     def _button(self, symbol: str, text: str, tip: str) -> QToolButton:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from html import escape
 from typing import Any
 
 from PySide6.QtCore import Qt, Signal
@@ -14,7 +15,10 @@ from graphos_core.run import Run
 from graphos_py.empty_state import EmptyState
 from graphos_py.jobs import Job
 from graphos_py.session import Session
+from graphos_py.theme import theme
 from graphos_py.translation import tr
+
+KINDS = "preprocessing/kinds-of-images"
 
 EMPTY = (
     "No photos yet",
@@ -63,6 +67,7 @@ class ImagesTab(QWidget):
     """The selected photo large; below it the table of photos and the table of cameras."""
 
     asked = Signal(str)
+    lesson = Signal(str)
 
     def __init__(self, session: Session) -> None:
         super().__init__()
@@ -110,6 +115,7 @@ class ImagesTab(QWidget):
         self._made = True
         self.image = ImageView()
         self.masks = MaskEditor(self.session, self.image.canvas)
+        self.masks.lesson.connect(self.lesson)
         upper = QWidget()
         stacked = QVBoxLayout(upper)
         stacked.setContentsMargins(0, 0, 0, 0)
@@ -121,7 +127,8 @@ class ImagesTab(QWidget):
         self.facts.setWordWrap(True)
         self.facts.setMargin(12)
         self.facts.setAlignment(Qt.AlignmentFlag.AlignTop)
-        self.facts.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.facts.setTextInteractionFlags(Qt.TextInteractionFlag.TextBrowserInteraction)
+        self.facts.linkActivated.connect(self.lesson)
         self.cameras = TableView()
         lower = QWidget()
         side = QVBoxLayout(lower)
@@ -165,9 +172,11 @@ class ImagesTab(QWidget):
         if index >= len(photos):
             return
         photo = photos[index]
-        self.facts.setText(
-            facts_html(photo.name, photo_facts(photo, project.photo_set.cameras[photo.camera]))
-        )
+        facts = facts_html(photo.name, photo_facts(photo, project.photo_set.cameras[photo.camera]))
+        if photo.remarks or photo.bits > 8 or photo.channels not in (1, 3):
+            words = escape(tr("What becomes of this kind of image"))
+            facts += f"<p><a href='{KINDS}' style='color:{theme().colour('accent').name()}'>{words}</a></p>"
+        self.facts.setText(facts)
         self.masks.show_photo(photo)
         if photo.digest != self._shown:
             self._shown = photo.digest
@@ -181,8 +190,6 @@ class ImagesTab(QWidget):
 
 def facts_html(name: str, facts: list[tuple[str, str]]) -> str:
     """Return a small table as HTML, everything escaped."""
-    from html import escape
-
     rows = "".join(
         f"<tr><td style='padding:2px 16px 2px 0'>{escape(tr(label))}</td><td><b>{escape(value)}</b></td></tr>"
         for label, value in facts

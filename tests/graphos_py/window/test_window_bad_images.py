@@ -1,12 +1,16 @@
 """Every kind of bad picture in the window: a sentence in the messages, never a bug dialog, and the set goes on."""
 
+import re
+
 import cv2
 import numpy as np
 import pytest
 import tifffile
 from PIL import Image
+from PySide6.QtWidgets import QToolButton
 
 from graphos_core.masks import PhotoMask, Polygon, write_masks
+from graphos_didactic.lessons import lessons
 
 
 def make(qtbot, window, photos, out):
@@ -55,13 +59,19 @@ def test_what_became_of_each_file_is_told_when_a_project_is_made(qtbot, window, 
     window.show()
     window.show_tab("images")
     tab = window.tabs["images"]
-    qtbot.waitUntil(lambda: not window.jobs.running, timeout=10000)
+    qtbot.waitUntil(lambda: not window.jobs.running, timeout=30000)
     assert tab.image.canvas.array.shape == (120, 160, 3)  # five bands in false colours
     assert "5 bands" in tab.facts.text()
     window.session.select_photo(7)
-    qtbot.waitUntil(lambda: not window.jobs.running, timeout=10000)
+    qtbot.waitUntil(lambda: not window.jobs.running, timeout=30000)
     assert tab.image.canvas.array.shape == (120, 160) and tab.image.canvas.array.dtype == np.uint8
     assert "640 of its pixels have no value" in tab.facts.text()
+    wanted = []
+    tab.lesson.connect(wanted.append)
+    tab.facts.linkActivated.emit(re.search("href='(.+?)'", tab.facts.text())[1])
+    tab.masks.findChildren(QToolButton)[-1].click()
+    assert wanted == ["preprocessing/kinds-of-images", "preprocessing/masks"]
+    assert set(wanted) <= set(lessons())
 
 
 def test_photos_without_points_and_covered_ones_are_named_and_the_set_goes_on(
