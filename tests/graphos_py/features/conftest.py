@@ -73,6 +73,8 @@ def verified_pair(features: list[Features], a: int, b: int) -> PairMatches:
     found = mutual(features[a], features[b], MutualParams(), run=Run())
     error = features[b].xy[found.matches[:, 1]] - features[a].xy[found.matches[:, 0]] - shift
     good = np.hypot(*error.T) < 2.0
+    if a == 1:  # the two pairs differ in strength
+        good[::3] = False
     assert good.sum() > 50
     return PairMatches(
         a=a, b=b, matches=found.matches[good], candidates=len(found.matches), kind="homography", matrix=matrix,
