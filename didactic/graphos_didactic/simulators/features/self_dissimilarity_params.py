@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
+from graphos_core.features.detectors.msd import MsdParams
 from graphos_core.params import About, Params
 from graphos_didactic.simulators.usual_controls import seed_about
 
-LESSON = ""
-FACTOR = 1.25
+LESSON = "features/msd"
+_ENGINE = MsdParams.declarations()
+FACTOR = float(_ENGINE["scale_factor"].default)
 """Between the levels of the pyramid."""
 MOST_LEVELS = 6
 
@@ -27,24 +29,19 @@ class SelfDissimilarityParams(Params):
         effect="Larger: nothing is like anything else any more: noise becomes salient.")] = 2.0  # fmt: skip
     patch: Annotated[int, About(
         label="Patch radius", symbol="r_p", unit="px", low=1, high=7, step=1, group="Detector", level="novice",
-        help="A patch has 2 r_p + 1 pixels along each side.", learn=LESSON,
-        effect="Larger: coarser structures; noise counts less.")] = 3  # fmt: skip
+        help=_ENGINE["patch_radius"].about.help, effect=_ENGINE["patch_radius"].about.effect, learn=LESSON)] = 3  # fmt: skip
     search: Annotated[int, About(
         label="Search radius", symbol="r_s", unit="px", low=1, high=14, step=1, group="Detector", level="novice",
-        help="The patch is compared with all patches shifted by up to so many px.", learn=LESSON,
-        effect="Larger: more chances to find something alike: fewer points.")] = 5  # fmt: skip
+        help=_ENGINE["search_radius"].about.help, effect=_ENGINE["search_radius"].about.effect, learn=LESSON)] = 5  # fmt: skip
     neighbours: Annotated[int, About(
         label="Nearest patches", symbol="k", unit="patches", low=1, high=16, step=1, group="Detector",
-        help="So many of the most similar patches are averaged.", learn=LESSON,
-        effect="Larger: steadier against noise; a few similar patches no longer reject a point.")] = 4  # fmt: skip
+        help=_ENGINE["neighbours"].about.help, effect=_ENGINE["neighbours"].about.effect, learn=LESSON)] = _ENGINE["neighbours"].default  # fmt: skip
     threshold: Annotated[float, About(
         label="Threshold", symbol=r"\lambda_0", unit="grey level²", low=0.0, high=2000.0, step=25.0, group="Detector",
-        help="Points must be more dissimilar than this.", learn=LESSON,
-        effect="Larger: fewer points, of strong contrast only.")] = 150.0  # fmt: skip
+        help=_ENGINE["threshold"].about.help, effect=_ENGINE["threshold"].about.effect, learn=LESSON)] = _ENGINE["threshold"].default  # fmt: skip
     nms: Annotated[int, About(
         label="Non-maximum radius", unit="px", low=1, high=15, step=1, group="Detector",
-        help="A point must be the most dissimilar one of so many pixels to each side.", learn=LESSON,
-        effect="Larger: fewer points, farther apart.")] = 5  # fmt: skip
+        help=_ENGINE["nms_radius"].about.help, effect=_ENGINE["nms_radius"].about.effect, learn=LESSON)] = 5  # fmt: skip
     level: Annotated[int, About(
         label="Level looked at", unit="number", low=0, high=MOST_LEVELS - 1, step=1, group="Place",
         help="Level of the pyramid; each is smaller than the one before by the same factor.",
