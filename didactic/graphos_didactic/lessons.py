@@ -95,7 +95,7 @@ class Lesson:
     @property
     def summary(self) -> str:
         """First sentence of the text, without marks."""
-        plain = " ".join(re.sub(r"[*_$`]", "", self.text).split())
+        plain = " ".join(re.sub(r"[*_$`]|\[([^\]]*)\]\([^)]*\)", r"\1", self.text).split())
         return plain.partition(". ")[0].partition(": ")[0].rstrip(".") + "."
 
     def markdown(self, picture: Callable[[str, str], str]) -> str:
