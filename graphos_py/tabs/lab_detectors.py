@@ -62,4 +62,5 @@ class DetectorTable(QTableWidget):
             self.horizontalHeader().sizeHint().height() + 4
             + sum(self.rowHeight(row) for row in range(len(rows)))
         )  # fmt: skip
+        self.setMaximumWidth(self.horizontalHeader().length() + 4)
         self.setVisible(bool(rows))

@@ -11,6 +11,7 @@ import pytest
 
 from graphos_core.cameras import pixel_from_ray
 from graphos_core.errors import UserError
+from graphos_core.features_comparison.measures import REPEATED_PX, RIGHT_PX
 from graphos_core.pipeline import Pipeline
 from graphos_core.project import Project
 from graphos_core.recipe import Recipe
@@ -67,6 +68,13 @@ def test_the_lab_can_be_played_to_its_end(played: tuple[LabSession, Pipeline]) -
     assert session.passed == set(range(len(session.lab.steps)))
     again = LabSession.resume(session.lab, session.folder)
     assert again.current == len(session.lab.steps)
+
+
+def test_the_text_of_the_lab_names_the_tolerances_that_are_used() -> None:
+    texts = " ".join(" ".join(step.text.split()) for step in small_lab().steps)
+    assert (REPEATED_PX, RIGHT_PX) == (1.5, 3.0)
+    assert "within one and a half pixels" in texts
+    assert "within three pixels" in texts
 
 
 def test_hand_in_and_key_show_what_the_detectors_gave(played: tuple[LabSession, Pipeline]) -> None:
