@@ -8,14 +8,16 @@ from graphos_core.data.record import Array
 
 ROUNDS = 120
 """Most iterations of the stress majorisation."""
-FAR = 1.5
+FAR = 0.8
 """Distance between parts that do not hang together, in units of the largest distance within one."""
+SPREAD = 0.25
+"""Power of the weights in the lengths of edges: more would draw weak links too long to see anything else."""
 
 
 def force_layout(weights: Array) -> Array:
     r"""Return places (n, 2) of the nodes of an undirected graph, centred, the same for the same graph.
 
-    An edge of weight w has the length ``(w_max / w)^½``, so that strongly linked nodes lie together; the wanted distance
+    An edge of weight w has the length ``(w_max / w)^¼``, so that strongly linked nodes lie together; the wanted distance
     of two nodes is the length of the shortest way between them. The stress
     ``Σ d_ij⁻² (‖x_i − x_j‖ − d_ij)²`` is lowered by majorisation from the classical scaling of the distances, which
     needs no random start.
@@ -54,7 +56,7 @@ def way_lengths(weights: Array) -> Array:
     """Return the lengths (n, n) of the shortest ways between nodes (Floyd and Warshall), see `force_layout`."""
     heaviest = float(np.max(weights, initial=0.0)) or 1.0
     with np.errstate(divide="ignore"):
-        length = np.sqrt(heaviest / np.asarray(weights, np.float64))
+        length = (heaviest / np.asarray(weights, np.float64)) ** SPREAD
     np.fill_diagonal(length, 0.0)
     for k in range(len(length)):
         np.minimum(length, length[:, k : k + 1] + length[k : k + 1], out=length)
