@@ -30,7 +30,7 @@ def features(descriptors: np.ndarray, xy: np.ndarray | None = None, metric: str 
     n = len(descriptors)
     zero = np.zeros(n, np.float32)
     return Features(
-        xy=np.zeros((n, 2), np.float32) if xy is None else xy.astype(np.float32), scale=zero, angle=zero, response=zero,
+        xy=np.arange(2 * n, dtype=np.float32).reshape(n, 2) if xy is None else xy.astype(np.float32), scale=zero, angle=zero, response=zero,
         descriptors=descriptors, colour=np.zeros((n, 3), np.uint8), width=1600, height=1200, metric=metric,
     )  # fmt: skip
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Callable
 
-from graphos_core.data import Features
+import numpy as np
+import pytest
+
+from graphos_core.data import Candidates, Features
 from graphos_core.features.matchers.mutual import MutualParams, mutual, nearest_two
 from graphos_core.features.matchers.places import places_of
+from graphos_core.features.matchers.robust import RobustParams, robust
 from graphos_core.run import Run
 
 RUN = Run()
@@ -64,15 +68,22 @@ def test_points_are_compared_by_their_nearest_descriptors() -> None:
         np.testing.assert_array_equal(table[np.arange(len(table)), index], ranked[:, 0])
 
 
-def test_twins_at_one_place_do_not_fail_the_ratio_test_and_give_one_match() -> None:
+@pytest.mark.parametrize("match", [
+    lambda a, b, **changes: mutual(a, b, MutualParams(**changes), run=RUN),
+    lambda a, b, **changes: robust(a, b, RobustParams(discrepancy=1.0, **changes), run=RUN),
+    lambda a, b, **changes: robust(a, b, RobustParams(discrepancy=1.0, distance="hellinger", **changes), run=RUN),
+])  # fmt: skip
+def test_twins_at_one_place_do_not_fail_the_ratio_test_and_give_one_match(
+    match: Callable[..., Candidates],
+) -> None:
     xy = GENERATOR.uniform(0, 900, (60, 2)).astype(np.float32)
     own = GENERATOR.integers(0, 256, (60, 32), dtype=np.uint8)
     twin = np.clip(own.astype(int) + GENERATOR.integers(-3, 4, own.shape), 0, 255).astype(np.uint8)
     doubled = features(np.concatenate([xy, xy]), np.concatenate([own, twin]))
-    found = mutual(features(xy, twin), doubled, MutualParams(), run=RUN)
+    found = match(features(xy, twin), doubled)
     np.testing.assert_array_equal(found.matches, np.stack([np.arange(60), np.arange(60)], axis=1))
     apart = features(np.concatenate([xy, xy + 30]), np.concatenate([own, twin]))
-    others = mutual(features(xy, twin), apart, MutualParams(ratio=0.8, mutual=False), run=RUN)
+    others = match(features(xy, twin), apart, ratio=0.8, mutual=False)
     assert (others.matches[:, 1] >= 60).all()
 
 

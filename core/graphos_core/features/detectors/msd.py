@@ -2,6 +2,7 @@ r"""MSD: patches that are unlike all others around them, with the SIFT descripto
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import numpy as np
@@ -234,11 +235,45 @@ def find_msd(image: Array, params: MsdParams, *, run: Run) -> FoundPoints:
     """
     run.check()
     none = FoundPoints(np.zeros((0, 2)), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros((0, 128), np.uint8))
-    return FoundPoints.joined([none, *(_described(*level, params) for level in _detected(image, params))])
+    return FoundPoints.joined(
+        [none, *(_described(level, params) for level in detected_levels(image, params))]
+    )
 
 
-def _detected(image: Array, params: MsdParams) -> list[tuple[Array, Array, Array, Array, Array]]:
-    """Return image, pixels, refined positions, saliency and size of a pixel of every level that has points."""
+@dataclass(frozen=True)
+class LevelPoints:
+    """Points of one level of the pyramid.
+
+    Attributes
+    ----------
+    image : uint8 (h, w)
+        The level.
+    pixels : int (n, 2)
+        Column and row of the maxima.
+    xy : float64 (n, 2)
+        The same, refined, px of the level.
+    response : float32 (n,)
+        Saliency, squared grey values.
+    factors : float64 (2,)
+        Size of a pixel of the level in x and y, px of the photo: the exact ratio of the sizes, where the reference
+        takes the power of the scale factor and places points of coarse levels up to some px aside.
+    """
+
+    image: Array
+    pixels: Array
+    xy: Array
+    response: Array
+    factors: Array
+
+
+def detected_levels(image: Array, params: MsdParams) -> list[LevelPoints]:
+    """Return the points of every level that has any.
+
+    Parameters
+    ----------
+    image : uint8 (h, w)
+    params : MsdParams
+    """
     radii = (params.patch_radius, params.search_radius)
     possible = possible_levels(image.shape, *radii, params.scale_factor)
     count = possible if params.scales is None else params.scales
@@ -254,28 +289,26 @@ def _detected(image: Array, params: MsdParams) -> list[tuple[Array, Array, Array
         outer = (xy + 0.5) * factors
         good &= (outer >= 0).all(axis=1) & (outer < (image.shape[1], image.shape[0])).all(axis=1)
         pixels, xy = pixels[good], xy[good]
-        found.append((level, pixels, xy, levels[index][pixels[:, 1], pixels[:, 0]], factors))
-    return [level for level in found if len(level[1])]
+        found.append(LevelPoints(level, pixels, xy, levels[index][pixels[:, 1], pixels[:, 0]], factors))
+    return [level for level in found if len(level.pixels)]
 
 
-def _described(
-    level: Array, pixels: Array, xy: Array, response: Array, factors: Array, params: MsdParams
-) -> FoundPoints:
+def _described(level: LevelPoints, params: MsdParams) -> FoundPoints:
     """Orient and describe the points of one level, all of one size in it."""
-    side = 2 * params.patch_radius + 1
-    sigma = params.descriptor_size * side / 2
+    xy = level.xy
+    sigma = params.descriptor_size * (2 * params.patch_radius + 1) / 2
     if params.orientation == "gradients":
-        index, angle = sift_directions(level, xy, sigma)
+        index, angle = sift_directions(level.image, xy, sigma)
     else:
         index = np.arange(len(xy))
         angle = np.zeros(len(xy))
         if params.orientation == "dissimilarity":
-            angle = circle_directions(level, pixels, params.patch_radius, params.search_radius)
-    descriptors = sift_descriptors(level, xy[index], angle, sigma)
+            angle = circle_directions(level.image, level.pixels, params.patch_radius, params.search_radius)
+    descriptors = sift_descriptors(level.image, xy[index], angle, sigma)
     return FoundPoints(
-        xy=(xy[index] + 0.5) * factors - 0.5,
-        scale=np.full(len(index), 2 * sigma * np.sqrt(factors.prod())),
+        xy=(xy[index] + 0.5) * level.factors - 0.5,
+        scale=np.full(len(index), 2 * sigma * np.sqrt(level.factors.prod())),
         angle=angle,
-        response=response[index].astype(np.float64),
+        response=level.response[index].astype(np.float64),
         descriptors=hellinger(descriptors) if params.hellinger else descriptors,
     )

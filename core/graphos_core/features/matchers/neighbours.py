@@ -9,6 +9,7 @@ import numpy as np
 from graphos_core.data import Array, Candidates, Features
 from graphos_core.features.matchers.hamming import nearest_two_binary
 from graphos_core.features.matchers.mutual import nearest_two
+from graphos_core.features.matchers.places import Places
 
 
 @dataclass(frozen=True)
@@ -38,15 +39,19 @@ def comparable(a: Features, b: Features) -> bool:
     return alike and len(a.descriptors) > 1 and len(b.descriptors) > 1
 
 
-def exact_neighbours(a: Array, b: Array, metric: str) -> tuple[Neighbours, Neighbours]:
+def exact_neighbours(
+    a: Array, b: Array, metric: str, places: tuple[Places, Places] | None = None
+) -> tuple[Neighbours, Neighbours]:
     """Return the exact neighbours of each row of `a` among `b` and of each of `b` among `a`.
 
     Parameters
     ----------
     a, b : (n, d), (m, d)
     metric : {"l2", "hamming"}
+    places : (Places, Places), optional
+        With l2: which rows are one point; neighbours are then those of points, not of rows.
     """
-    sides = nearest_two_binary(a, b) if metric == "hamming" else nearest_two(a, b)
+    sides = nearest_two_binary(a, b) if metric == "hamming" else nearest_two(a, b, places)
     row, column = (from_half_squares(*side[:3]) for side in sides)
     return row, column
 
@@ -57,11 +62,18 @@ def from_half_squares(first: Array, second: Array, index: Array) -> Neighbours:
     return Neighbours(one, two, index)
 
 
-def candidates_of(row: Neighbours, first: Array, steps: list[tuple[str, int]]) -> Candidates:
-    """Return the matches of the points `first` of photo a with their nearest in b."""
+def candidates_of(
+    row: Neighbours, first: Array, steps: list[tuple[str, int]], places: tuple[Places, Places] | None = None
+) -> Candidates:
+    """Return the matches of the points `first` of photo a with their nearest in b, by the first feature of each."""
+    matches = np.stack([first, row.index[first]], axis=1).astype(np.int32)
+    if places is not None:
+        matches = np.stack([places[0].first[matches[:, 0]], places[1].first[matches[:, 1]]], axis=1)
+        order = np.argsort(matches[:, 0], kind="stable")
+        matches, first = matches[order], first[order]
     nearest, second = row.first[first], row.second[first]
     return Candidates(
-        matches=np.stack([first, row.index[first]], axis=1).astype(np.int32),
+        matches=matches.astype(np.int32),
         distance=nearest.astype(np.float32),
         ratio=(nearest / np.maximum(second, 1e-12)).astype(np.float32),
         steps=tuple(steps),

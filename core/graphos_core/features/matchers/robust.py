@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 import numpy as np
 
 from graphos_core.data import Array, Candidates, Features
-from graphos_core.features.matchers.mutual import MutualParams
+from graphos_core.features.matchers.mutual import MutualParams, points_of
 from graphos_core.features.matchers.neighbours import (
     Neighbours,
     candidates_of,
@@ -15,6 +15,7 @@ from graphos_core.features.matchers.neighbours import (
     exact_neighbours,
     mutual_points,
 )
+from graphos_core.features.matchers.places import Places
 from graphos_core.params import About
 from graphos_core.registry import algorithm
 from graphos_core.run import Run
@@ -76,7 +77,7 @@ def robust(a: Features, b: Features, params: RobustParams, *, run: Run) -> Candi
     """Match in three steps: distinctive points, of these the more alike, of these the mutual ones.
 
     The distances are exact (`nearest_two`). Binary descriptors have one distance only, the number of different bits;
-    the choice of another does not concern them.
+    the choice of another does not concern them. Features at one place are one point, as in `mutual`.
 
     Parameters
     ----------
@@ -89,9 +90,10 @@ def robust(a: Features, b: Features, params: RobustParams, *, run: Run) -> Candi
     Candidates
         With the steps ``nearest``, ``ratio``, ``discrepancy`` and, with `mutual`, ``mutual``.
     """
-    if not comparable(a, b):
+    places = points_of(a), points_of(b)
+    if not comparable(a, b) or min(len(places[0]), len(places[1])) < 2:
         return Candidates.none()
-    row, column = described_neighbours(a, b, params.distance, params.rooted)
+    row, column = described_neighbours(a, b, params.distance, params.rooted, places)
     passed = row.distinctive(params.ratio)
     steps = [("nearest", len(row.index)), ("ratio", int(passed.sum()))]
     largest = float(row.first[passed].max(initial=0.0))
@@ -101,16 +103,18 @@ def robust(a: Features, b: Features, params: RobustParams, *, run: Run) -> Candi
         passed &= mutual_points(row, column)
         passed[passed] &= column.distinctive(params.ratio)[row.index[passed]]
         steps.append(("mutual", int(passed.sum())))
-    return candidates_of(row, np.flatnonzero(passed), steps)
+    return candidates_of(row, np.flatnonzero(passed), steps, places)
 
 
 def described_neighbours(
-    a: Features, b: Features, distance: str, rooted: bool
+    a: Features, b: Features, distance: str, rooted: bool, places: tuple[Places, Places]
 ) -> tuple[Neighbours, Neighbours]:
-    """Return the neighbours of both photos by a distance of their descriptors."""
+    """Return the neighbours of the points of both photos by a distance of their descriptors."""
     if a.metric == "hamming" or distance == "l2":
-        return exact_neighbours(a.descriptors, b.descriptors, a.metric)
-    sides = exact_neighbours(unit_roots(a.descriptors, rooted), unit_roots(b.descriptors, rooted), "l2")
+        return exact_neighbours(a.descriptors, b.descriptors, a.metric, places)
+    sides = exact_neighbours(
+        unit_roots(a.descriptors, rooted), unit_roots(b.descriptors, rooted), "l2", places
+    )
     row, column = (
         Neighbours(histogram_distance(s.first, distance), histogram_distance(s.second, distance), s.index)
         for s in sides
