@@ -156,7 +156,7 @@ def _sheet(seen: Covered, last: int) -> list[AnyMark]:
                         role="accent", answer=True))  # fmt: skip
     if last >= 3:
         marks += [
-            Sentence(text="This calibration (estimate − true)", heading=True, truth=True),
+            Sentence(text="Estimate − true", heading=True, truth=True, answer=True),
             Number(thing="focal_px", label="Error of f", value=seen.error("focal_px"), unit="px", role="truth", truth=True,
                    answer=True),
             Number(thing="x0", label="Error of x₀", value=seen.error("x0"), unit="px", role="truth", truth=True, answer=True),

@@ -96,7 +96,7 @@ class CoverageSimulatorParams(Params):
         About(
             label="Points",
             group="Points",
-            choices={"simulated": "at random", "photo": "where a photo has features"},
+            choices={"simulated": "at random", "photo": "of a photo"},
             help="At random within the groups, or the SIFT features of a photo that lie within them.",
             effect="Photo: where there is no structure, there are no points.",
             learn="features/sift",

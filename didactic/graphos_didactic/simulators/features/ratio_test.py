@@ -60,7 +60,7 @@ PRESETS = (
     name="ratio_test",
     title="Ratio test",
     summary="Why a match is trusted when it is clearly nearer than the second best, and what that costs.",
-    first="Drag the threshold in the histogram to the right, and watch the dashed false matches come.",
+    first="Drag the threshold to the right: dashed false matches come.",
     source="Lowe 2004, section 7.1",
     engine=(sift, mutual, nearest_two, pixel_from_ray, ray_from_pixel, look_at),
     presets=PRESETS,
@@ -126,7 +126,7 @@ def _sheet(seen: Judged, last: int) -> list[AnyMark]:
     counts = seen.counts
     marks += [
         Number(thing="accepted", label="Accepted", value=counts.accepted, unit=unit, digits=0),
-        Sentence(text="By the truth", heading=True),
+        Sentence(text="By the truth", heading=True, truth=True, answer=True),
         Number(thing="true", label="true, accepted", value=counts.true_accepted, unit=unit, digits=0, role="truth", truth=True,
                answer=True),
         Number(thing="false", label="false, accepted", value=counts.false_accepted, unit=unit, digits=0, role="error", truth=True,

@@ -72,7 +72,7 @@ def ratio_test_task(seed: int) -> Task:
             break
     text = (
         f"At least {limits[0]:.0f} % of the accepted matches shall be true (precision), and at least {limits[1]:.0f} % of "
-        "the true ones accepted (recall). Drag the threshold there. The curve helps, the other rule perhaps too."
+        "the true ones accepted (recall). Drag the threshold there."
     )
     free = ("ratio", "rule", "limit", "look_x", "look_y")
     return Task(text, sheet, None, lambda params, _: _judge(params, limits), right, mistakes, free)

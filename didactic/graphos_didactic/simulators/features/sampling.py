@@ -72,7 +72,7 @@ PRESETS = (
     name="sampling",
     title="RANSAC: random samples",
     summary="How a model is found among many false matches, and how many samples that takes.",
-    first="Drag the number of the sample to the left, to where no sample has found the plane yet.",
+    first="Drag the number of the sample to the left, before the plane is found.",
     source="Fischler and Bolles 1981; Torr and Zisserman 2000; Rousseeuw 1984; Chum and Matas 2005",
     engine=(
         HomographyModel, FundamentalModel, UniformSampler, ProgressiveSampler, samples_needed, ransac_loss, msac_loss,
@@ -176,7 +176,7 @@ def _sheet(seen: Search, last: int) -> list[AnyMark]:
     ]  # fmt: skip
     if last >= 4:
         marks += [
-            Sentence(text="Error at check points", heading=True, truth=True),
+            Sentence(text="Error at check points", heading=True, truth=True, answer=True),
             Number(thing="best", label="best sample", value=seen.error(seen.drawn.matrices[seen.leader]), unit="px",
                    role="truth", truth=True, answer=True),
             Number(thing="best", label="fit to all that agree", value=seen.error(seen.refined), unit="px", role="truth",
