@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QVBoxLayout, QWidget
+from PySide6.QtWidgets import QToolButton, QVBoxLayout, QWidget
 
 from graphos_core.params import Level
+from graphos_py.icons import bind_icon
 from graphos_py.settings import LEVELS
+from graphos_py.translation import tr
 
 
 class ResultPage(QWidget):
@@ -56,6 +58,16 @@ class ResultPage(QWidget):
     def seen_by(self, level: Level) -> bool:
         """Return whether a level sees this page."""
         return LEVELS.index(self.level) <= LEVELS.index(level)
+
+    def lesson_button(self, name: str) -> QToolButton:
+        """Return a button that opens a lesson."""
+        button = QToolButton()
+        button.setProperty("role", "flat")
+        button.setToolTip(tr("Read the lesson"))
+        button.setAccessibleName(tr("Read the lesson"))
+        bind_icon(button, "learn", "muted")
+        button.clicked.connect(lambda: self.lesson.emit(name))
+        return button
 
     def _refresh(self) -> None:
         if self._stale:

@@ -112,6 +112,7 @@ class CoveragePage(ResultPage):
         self.settings.setCheckable(True)
         self.settings.toggled.connect(self.form.setVisible)
         bar.addWidget(self.settings)
+        bar.addWidget(self.lesson_button("features/coverage"))
         return bar
 
     # ------------------------------------------------------------------------------------------------ public

@@ -104,6 +104,7 @@ class DescriptorPage(ResultPage):
         self.others.setMinimumContentsLength(16)
         self.others.activated.connect(lambda _: self._look())
         bar.addWidget(self.others)
+        bar.addWidget(self.lesson_button("features/descriptor"))
         return bar
 
     # ------------------------------------------------------------------------------------------------ public

@@ -12,8 +12,8 @@ from graphos_core.features.descriptor import Described, describe
 from graphos_core.features.matchers.nearest_few import nearest_few
 from graphos_core.run import Run
 
-COUNT = 6
-"""Nearest neighbours that are shown."""
+COUNT, SPARE = 6, 6
+"""Nearest neighbours that are shown, and more that the ratio of the last ones may need."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Neighbour:
     distance : float
         Between the descriptors, in their metric.
     ratio : float
-        This distance through the next larger one: the ratio test looks at that of the first.
+        This distance through that of the next one at another place: the ratio test looks at that of the first.
     verified : bool
         Whether the pair holds it as a verified match of the keypoint.
     described : Described or None
@@ -88,16 +88,29 @@ def look_at(
     if mine.descriptors.shape[1:] != theirs.descriptors.shape[1:] or mine.metric != theirs.metric:
         return Look(photo, index, other, described, (), "kinds")
     run.check()
-    found, distance = nearest_few(mine.descriptors[index], theirs.descriptors, COUNT + 1, mine.metric)
+    found, distance = nearest_few(mine.descriptors[index], theirs.descriptors, COUNT + SPARE, mine.metric)
     image = grey(other)
     verified = verified_partner(pairs, photo, index, other)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratios = np.append(distance[:-1] / distance[1:], 1.0)
+    ratios = ratios_to_next_place(distance, np.asarray(theirs.xy)[found])
     neighbours = [
-        Neighbour(i, d, q if np.isfinite(q) else 1.0, i == verified, cut(image, theirs, i))
+        Neighbour(i, d, q, i == verified, cut(image, theirs, i))
         for i, d, q in zip(found.tolist(), distance.tolist(), ratios.tolist())
     ]
     return Look(photo, index, other, described, tuple(neighbours[:COUNT]))
+
+
+def ratios_to_next_place(distance: Array, xy: Array) -> Array:
+    """Return each distance through the next one of a point at another place (n,), 1 where there is none.
+
+    Features at one place are one point with several descriptors, as the matchers take them
+    (`graphos_core.features.matchers.places`).
+    """
+    ratios = np.ones(len(distance))
+    for row, own in enumerate(distance.tolist()):
+        later = np.flatnonzero((xy[row + 1 :] != xy[row]).any(axis=1))
+        if len(later) and distance[row + 1 + later[0]] > 0:
+            ratios[row] = own / distance[row + 1 + later[0]]
+    return ratios
 
 
 def cut(grey: Array, features: Features, index: int) -> Described | None:

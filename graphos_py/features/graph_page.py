@@ -80,6 +80,7 @@ class GraphPage(ResultPage):
         column.addWidget(self.slider)
         column.addWidget(self.threshold, 0, Qt.AlignmentFlag.AlignRight)
         bar.addLayout(column, 1)
+        bar.addWidget(self.lesson_button("features/image-graph"), 0, Qt.AlignmentFlag.AlignTop)
         return bar
 
     # ------------------------------------------------------------------------------------------------ public

@@ -141,6 +141,7 @@ class MatchingPage(ResultPage):
         self.descriptors.clicked.connect(self._compare)
         self.matches.match_selected.connect(lambda row: self.descriptors.setEnabled(row >= 0))
         bar.addWidget(self.descriptors)
+        bar.addWidget(self.lesson_button("features/scenes"))
         return bar
 
     # ------------------------------------------------------------------------------------------------ public

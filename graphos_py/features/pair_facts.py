@@ -14,7 +14,7 @@ STEPS = {
     "ratio": "ratio test",
     "mutual": "both directions",
     "discrepancy": "discrepancy filter",
-    "guided": "along the epipolar line",
+    "in file": "in the file",
     "candidates": "candidates",
     "verified": "verified",
     "kept": "kept",

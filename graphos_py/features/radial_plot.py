@@ -30,7 +30,7 @@ class RadialPlot(PlotView):
             self.plot.plot([], [], pen=self._pen(number, 6), name=name)
         self._axes(tr("distance from the centre of the format"), "px", tr("share"), "%")
         highest = 100 * float(max(found.radial_share.max(initial=0), found.radial_area.max(initial=0)))
-        self.plot.setYRange(0.0, 1.5 * max(highest, 1.0), padding=0.0)
+        self.plot.setYRange(0.0, 1.9 * max(highest, 1.0), padding=0.0)
         self._keep(
             ["radius from [px]", "radius to [px]", "share of points [%]", "share of area [%]"],
             [edges[:-1], edges[1:], 100 * found.radial_share, 100 * found.radial_area],

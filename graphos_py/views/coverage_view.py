@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 from graphos_core.data.record import Array
 from graphos_core.features.coverage import Coverage
 from graphos_core.number_format import format_value
+from graphos_core.preprocessing.grey import luma
 from graphos_core.rendering.colour_maps import colours_of_values
 from graphos_py.translation import tr
 from graphos_py.views.colour_legend import paint_legend
@@ -61,14 +62,14 @@ class CoverageView(QWidget):
         self.setFocusProxy(self.canvas)
 
     def show_coverage(self, found: Coverage | None, xy: Array, photo: Array | None = None) -> None:
-        """Show a coverage and its points (n, 2), over a photo uint8 or over the bare format."""
+        """Show a coverage and its points (n, 2), over a photo uint8, made grey, or over the bare format."""
         self.found, self.xy = found, np.asarray(xy, np.float64).reshape(-1, 2)
         if found is None:
             self.canvas.set_array(None)
             return
         blank = np.full((found.height, found.width), 45 if is_dark(self.palette()) else 235, np.uint8)
         self._opacity = 1.0 if photo is None else OPACITY
-        self.canvas.set_array(blank if photo is None else photo, keep_view=True)
+        self.canvas.set_array(blank if photo is None else luma(photo), keep_view=True)
         rgb = colours_of_values(found.counts, 0.0, max(float(found.counts.max()), 1.0), "viridis")
         self._heat = image_from_array(rgb)
         self.canvas.setAccessibleName(f"{tr(found.verdict)} {tr(found.advice)}")

@@ -37,6 +37,8 @@ class DescriptorView(QWidget):
     def show_pair(self, first: Shown | None, second: Shown | None) -> None:
         """Show a keypoint and the one it is compared with; None for none."""
         self.first, self.second, self.marked = first, second, None
+        titles = [shown.title.replace("\n", ", ") for shown in (first, second) if shown is not None]
+        self.setAccessibleName(" ↔ ".join([tr("Descriptor"), *titles]))
         self.update()
 
     def difference(self) -> Array | None:

@@ -325,9 +325,7 @@ class MatchView(QWidget):
         if self.residuals is not None:
             distance = format_value(float(self.residuals[index]), digits=2, unit="px")
             mapped = self._geometry is not None and self._geometry.mapped
-            parts.append(
-                tr("{d} from the mapped point" if mapped else "{d} from the epipolar line", d=distance)
-            )
+            parts.append(tr("{d} from the mapped point" if mapped else "{d} from the line", d=distance))
         if self._pair is not None and len(self._pair.ratio) == len(self.xy[0]):
             parts.append(self.tr("ratio {q}").format(q=f"{float(self._pair.ratio[index]):.2f}"))
         return [*parts, f"{xa:.1f}, {ya:.1f} ↔ {xb:.1f}, {yb:.1f}{THIN_SPACE}px"]
