@@ -19,6 +19,8 @@ In the text ``$…$`` is a formula, and these directives stand for what the prog
 - ``:::parameters preprocessing.wallis``: table of the parameters;
 - ``:::picture adjustment/intersection PRESET`` or ``… a_x=-3 b_x=3``: the scene of a simulator, drawn by the engine;
 - ``:::filtered clahe clip=4``: a difficult photo before and after a filter, drawn by the engine;
+- ``:::detected harris levels=1``: a detector's points on the simulated façade, and which are found again;
+- ``:::selected sift``: the four ways to choose among a detector's points;
 - ``:::camera fraser``: formula, direction and parameters of a camera model.
 
 What there is to try are parameters of the algorithm; with ``simulator = true``, or in a lesson without an algorithm, those
@@ -43,6 +45,10 @@ from graphos_core.text import Text
 
 FILTER = "filter"
 """Stands for a simulator in the address of a picture of a filter."""
+DETECTOR, SELECTION = "detector", "selection"
+"""The same for pictures of a detector and of the selection among its points."""
+PICTURES = {"filtered": FILTER, "detected": DETECTOR, "selected": SELECTION}
+"""Directives of pictures that are no simulator's."""
 
 HEAD = re.compile(r"\A\+\+\+\n(.*?)\n\+\+\+\n", re.DOTALL)
 DIRECTIVE = re.compile(r"^:::(\w+) +(.+)$", re.MULTILINE)
@@ -105,8 +111,8 @@ class Lesson:
         ----------
         picture : callable
             ``picture(simulator, what)`` returns the address of the picture for the Markdown; `what` is read by
-            `Simulator.described`, or by `graphos_didactic.filter_pictures.filter_scene` where the simulator is called
-            ``"filter"``.
+            `Simulator.described`, or where the simulator is one of `PICTURES` by its own; see
+            `graphos_didactic.lesson_pictures.lesson_scene`.
         """
 
         def block(found: re.Match[str]) -> str:
@@ -117,8 +123,8 @@ class Lesson:
                 return camera_table(words[0])
             if found[1] == "picture":
                 return f"![{self.title}]({picture(words[0], ','.join(words[1:]))})"
-            if found[1] == "filtered":
-                return f"![{self.title}]({picture(FILTER, ','.join(words))})"
+            if found[1] in PICTURES:
+                return f"![{self.title}]({picture(PICTURES[found[1]], ','.join(words))})"
             raise UserError(
                 Text("The lesson {name} has an unknown directive “{word}”.", name=self.name, word=found[1])
             )

@@ -201,20 +201,14 @@ class LessonView(QTextBrowser):
         wanted = ["picture:" + part.partition('"')[0] for part in parts]
 
         def work(run: Run) -> dict[str, Any]:
-            from graphos_didactic.filter_pictures import filter_scene
-            from graphos_didactic.lessons import FILTER
+            from graphos_didactic.lesson_pictures import lesson_scene
             from graphos_didactic.scene_svg import scene_svg
-            from graphos_didactic.simulator import find_simulator
 
             found = {}
             for address in wanted:
                 run.check()
                 key, _, preset = address.partition(":")[2].partition("#")
-                if key == FILTER:
-                    found[address] = filter_scene(preset)
-                else:
-                    simulator = find_simulator(key)
-                    found[address] = simulator.scene(simulator.described(preset))
+                found[address] = lesson_scene(key, preset)
                 scene_svg(found[address])  # sets the formulas here, so that the window need not wait for them
             return found
 

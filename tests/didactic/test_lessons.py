@@ -16,9 +16,8 @@ from graphos_core.cameras.model import camera_models
 from graphos_core.errors import GraphosError, UserError
 from graphos_core.registry import STAGES, algorithms, find
 from graphos_didactic.explain import camera_lesson, explain_algorithm, explain_parameter, lesson_about
-from graphos_didactic.filter_pictures import filter_scene
+from graphos_didactic.lesson_pictures import OWN
 from graphos_didactic.lessons import (
-    FILTER,
     NUMBER,
     Lesson,
     camera_table,
@@ -80,8 +79,8 @@ def test_a_lesson_has_what_a_lesson_needs(name: str) -> None:
 @pytest.mark.parametrize("name", ALL)
 def test_every_directive_of_a_lesson_is_known(name: str) -> None:
     def picture(simulator: str, preset: str) -> str:
-        if simulator == FILTER:
-            assert filter_scene(preset).panel("after")
+        if simulator in OWN:
+            assert OWN[simulator](preset).marks
         else:
             find_simulator(simulator).described(preset)
         return "picture"

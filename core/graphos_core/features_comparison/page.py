@@ -10,7 +10,7 @@ from pathlib import Path
 from graphos_core.calibration_pictures import png_bytes, svg_url
 from graphos_core.features_comparison.figures import bars, curves
 from graphos_core.features_comparison.measures import CELL_PX, REPEATED_PX, RIGHT_PX
-from graphos_core.features_comparison.records import DEFINITIONS, FeatureComparison, Row
+from graphos_core.features_comparison.records import FeatureComparison, Row
 from graphos_core.number_format import UNKNOWN, format_number
 from graphos_core.report.page import Page, Paragraph, Part, Picture, Problem, Section, Table
 from graphos_core.run_comparison.page import table_lines
@@ -68,9 +68,9 @@ def cells(row: Row, keys: Sequence[str]) -> list[str]:
 def _sections(comparison: FeatureComparison) -> tuple[Section, ...]:
     keys = [key for key, _ in columns(comparison)]
     table = Table(
-        [heading for _, heading in columns(comparison)], [cells(row, keys) for row in comparison.rows],
-        note=" ".join(f"{heading}: {DEFINITIONS[key]}" for key, heading in columns(comparison) if key in DEFINITIONS),
-    )  # fmt: skip
+        [heading for _, heading in columns(comparison)],
+        [cells(row, keys) for row in comparison.rows],
+    )
     parts: list[Part] = [table]
     if any(not row.failure for row in comparison.rows):
         alt = Text("Key points, matches, shares and seconds of each algorithm as bars")
