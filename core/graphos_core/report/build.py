@@ -39,7 +39,7 @@ def build_report(pipeline: Pipeline) -> dict[str, Any]:
     report: dict[str, Any] = {
         "schema": SCHEMA,
         "project": pipeline.project.name,
-        "data_hash": data_hash(photos),
+        "data_hash": data_hash(pipeline.project.photo_set),
         "results": {name: pipeline.key(name) for name in STEPS if pipeline.has(name)},
         "images": {
             "total": len(photos.photos),
