@@ -35,6 +35,7 @@ def adjust(options: argparse.Namespace) -> int:
         )
     )
     options.source = source
+    recipe = recipe.moved(source, options.out)
     project = make_project(options, recipe.seed, progress)
     pipeline = Pipeline(project, recipe)
     results = Store(source / "results")

@@ -127,6 +127,9 @@ def _tell_left_out(block: Block, progress: Run) -> None:
 
 def _recipe(options: argparse.Namespace) -> Recipe:
     recipe = Recipe.load(options.recipe) if options.recipe else _recipe_of(options.source)
+    if not options.recipe:
+        folder = options.source.parent if options.source.name == FILE else options.source
+        recipe = recipe.moved(folder, options.out)
     if options.seed is not None:
         recipe = recipe.with_seed(options.seed)
     if options.camera is not None and options.calibration is None:

@@ -27,6 +27,7 @@ import tomli_w
 from graphos_core import registry
 from graphos_core.errors import ParamError, UserError
 from graphos_core.params import Params, unknown_name
+from graphos_core.project_file import relative_path, resolved
 from graphos_core.registry import STAGES, Algorithm
 from graphos_core.store import write_text
 from graphos_core.text import Text
@@ -153,6 +154,19 @@ class Recipe:
         if params == registry.find(stage, name).params():
             del sheets[stage, name]
         return dataclasses.replace(self, sheets=sheets)
+
+    def moved(self, old: Path, new: Path) -> Recipe:
+        """Return the recipe of a project in `old` for one in `new`: relative names of files lead to the same files."""
+        recipe = self
+        for (stage, name), sheet in self.sheets.items():
+            files = [n for n, declaration in sheet.declarations().items() if declaration.about.files]
+            for parameter in files:
+                value = getattr(sheet, parameter)
+                if value and not Path(value).is_absolute():
+                    there = relative_path(resolved(old, value), new)
+                    sheet = sheet.replace(**{parameter: there})
+            recipe = recipe.with_params(stage, name, sheet)
+        return recipe
 
     def set(self, assignment: str) -> Recipe:
         """Return a recipe with one assignment applied, as typed on the command line.

@@ -64,8 +64,13 @@ class Algorithm:
         return (inspect.getdoc(self.function) or "").partition("\n")[0]
 
     def key(self, params: Params) -> dict[str, Any]:
-        """Return what identifies this algorithm with these parameters in a result's key."""
-        return {"algorithm": f"{self.stage}.{self.name}", "version": self.version, "params": params.to_dict()}
+        """Return what identifies this algorithm with these parameters in a result's key.
+
+        Names of files are left out: what a file holds is an input of the step, wherever it lies.
+        """
+        known = params.declarations()
+        values = {name: value for name, value in params.to_dict().items() if not known[name].about.files}
+        return {"algorithm": f"{self.stage}.{self.name}", "version": self.version, "params": values}
 
 
 _declared: dict[tuple[Stage, str], Algorithm] = {}

@@ -9,6 +9,7 @@ import pytest
 
 from graphos_core.cameras import pixel_from_ray, ray_from_pixel
 from graphos_core.cameras.undistortion import ideal_camera
+from graphos_core.cli import main
 from graphos_core.data import Camera
 from graphos_core.errors import UserError
 from graphos_core.exchange.calibration_file import read_calibration, write_calibration
@@ -19,6 +20,7 @@ from graphos_core.outputs import write_outputs
 from graphos_core.pipeline import Pipeline
 from graphos_core.preprocessing.undistortion import Resampling
 from graphos_core.project import Project
+from graphos_core.project_file import relative_path
 from graphos_core.recipe import Recipe
 from graphos_core.run import Run
 from graphos_core.seen_photos import SeenMasks, block_as_taken, filter_input
@@ -47,7 +49,8 @@ def undistorted(distorted: Path, tmp_path_factory: pytest.TempPathFactory) -> Pi
     project = Project.create(tmp_path_factory.mktemp("undistorted") / "model", distorted / "photos",
                              control=distorted / "control.csv")  # fmt: skip
     recipe = Recipe.default().set("preprocessing.undistortion=calibrated")
-    recipe = recipe.set(f"preprocessing.calibrated.calibration={distorted / 'calibration.toml'}")
+    relative = relative_path(distorted / "calibration.toml", project.folder)
+    recipe = recipe.set(f"preprocessing.calibrated.calibration={relative}")
     recipe = recipe.set("adjustment.schur.calibration=fixed")
     pipeline = Pipeline(project, recipe.set("adjustment.incremental.self_calibration=false"))
     pipeline.run("adjustment", Run(threads=2))
@@ -166,6 +169,19 @@ def test_the_result_is_a_calibration_of_the_photos_as_taken(undistorted: Pipelin
     rays = ray_from_pixel(raw.cameras[0], raw.obs_xy)
     assert np.abs(rays - ray_from_pixel(block.cameras[0], block.obs_xy)).max() < 1e-9
     assert np.abs(raw.obs_xy - block.obs_xy).max() > 5.0
+
+
+def test_a_project_elsewhere_takes_over_the_undistorted_photos(undistorted: Pipeline, tmp_path: Path) -> None:
+    write_outputs(undistorted, "2026-01-01")
+    out = tmp_path / "deeper" / "adjusted"
+    assert main(["adjust", str(undistorted.project.folder), "--out", str(out), "--set",
+                 "adjustment.schur.calibration=basic"]) == 0  # fmt: skip
+    again = Pipeline(Project.open(out), Recipe.load(out / "recipe.toml"))
+    assert again.key("images") == undistorted.key("images") and again.has("images")
+    focal, _, _, k1, k2 = again.value("adjustment").adjustment.block.cameras[0].values
+    r = np.linspace(0.0, 0.4, 20)  # to the edge of the points
+    assert np.abs(focal * r * (k1 * r**2 + k2 * r**4)).max() < 0.5  # the true calibration left nothing
+    assert np.abs(736.0 * r * (STRONG[3] * r**2 + STRONG[4] * r**4)).max() > 9.0
 
 
 def test_keys_depend_on_the_calibration_and_originals_stay(
