@@ -29,7 +29,7 @@ from graphos_py.theme import theme
 from graphos_py.translation import tr
 from graphos_py.views.colour_legend import paint_legend
 from graphos_py.views.export import Writer, export_menu, image_from_array, write_csv, write_png, write_svg
-from graphos_py.views.graph_marks import Edge, paint_edge, paint_node
+from graphos_py.views.graph_marks import Edge, bend_of, bowed, paint_edge, paint_node
 from graphos_py.views.painting import is_dark, paint_empty_state
 
 DRAG_STARTS = 4.0
@@ -59,6 +59,7 @@ class GraphView(QWidget):
         self.edges: tuple[Edge, ...] = ()
         self.cut_photos: frozenset[int] = frozenset()
         self.places: Array = np.zeros((0, 2))
+        self._bend = 0.0
         self.least = 0
         self.selected = -1
         self.hovered: Edge | None = None
@@ -92,6 +93,7 @@ class GraphView(QWidget):
     def set_places(self, places: Array) -> None:
         """Put the photos at other places and show them all."""
         self.places = np.array(places, np.float64).reshape(-1, 2)
+        self._bend = bend_of(self.places)
         self.fit()
 
     def set_pictures(self, arrays: Sequence[Array] | None) -> None:
@@ -135,6 +137,11 @@ class GraphView(QWidget):
         """Return the places of all nodes on the screen, px (n, 2)."""
         return np.asarray(self.places * self._zoom + self._shift)
 
+    def bow(self, edge: Edge) -> Array:
+        """Return the points (k, 2) of an edge on the screen, px."""
+        at = self.to_screen()
+        return bowed(at[edge.a], at[edge.b], self._bend)
+
     def node_size(self) -> float:
         """Return the longer side of a node, px: smaller the more there are and the closer they lie."""
         if len(self.places) < 2:
@@ -177,9 +184,9 @@ class GraphView(QWidget):
             return QColor(*rgb.tolist()), share
 
         for edge in sorted(self.shown, key=lambda edge: edge.matches):
-            paint_edge(painter, edge, at, colour_of(edge))
+            paint_edge(painter, edge, self.bow(edge), colour_of(edge))
         if self.hovered is not None and self.hovered.matches >= self.least:
-            paint_edge(painter, self.hovered, at, colour_of(self.hovered), marked=True)
+            paint_edge(painter, self.hovered, self.bow(self.hovered), colour_of(self.hovered), marked=True)
         order = [i for i in range(len(self.names)) if i != self.selected]
         for i in [*order, *([self.selected] if 0 <= self.selected < len(self.names) else [])]:
             picture = self._pictures[i] if i < len(self._pictures) else None
@@ -224,10 +231,11 @@ class GraphView(QWidget):
             return None
         at = self.to_screen()
         start, end = at[[e.a for e in shown]], at[[e.b for e in shown]]
-        along = end - start
-        square = np.maximum((along**2).sum(axis=1), 1e-9)
-        share = np.clip((([x, y] - start) * along).sum(axis=1) / square, 0.0, 1.0)
-        distance = np.linalg.norm(start + share[:, None] * along - [x, y], axis=1)
+        bows = bowed(start, end, self._bend)
+        first, along = bows[:, :-1], np.diff(bows, axis=1)
+        square = np.maximum((along**2).sum(axis=2), 1e-9)
+        share = np.clip((([x, y] - first) * along).sum(axis=2) / square, 0.0, 1.0)
+        distance = np.linalg.norm(first + share[..., None] * along - [x, y], axis=2).min(axis=1)
         best = int(np.argmin(distance))
         return shown[best] if distance[best] <= REACH else None
 
