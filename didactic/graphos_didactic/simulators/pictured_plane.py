@@ -107,7 +107,7 @@ def reduced(photo: Array) -> Array:
     scale = LARGEST / max(photo.shape[:2])
     small = photo
     if scale < 1:
-        size = (round(photo.shape[1] * scale), round(photo.shape[0] * scale))
+        size = (max(1, round(photo.shape[1] * scale)), max(1, round(photo.shape[0] * scale)))
         small = cv2.resize(photo, size, interpolation=cv2.INTER_AREA)
     _reduced = (photo, small)
     return small

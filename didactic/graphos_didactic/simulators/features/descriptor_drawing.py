@@ -156,21 +156,21 @@ def orientation_marks(seen: Compared) -> list[AnyMark]:
 def fan_marks(seen: Compared, step: int) -> list[AnyMark]:
     """Draw the histogram of every cell as a fan of eight lines; the first solid, the second dashed."""
     marks: list[AnyMark] = [Line(panel="fan", thing="cells", role="grid", width=1.2, xy=_grid())]
-    styles: tuple[tuple[Described, Dash, float], ...] = ((seen.a, "solid", 2.4), (seen.b, "dash", 1.6))
-    for which, (described, dash, width) in enumerate(styles):
-        values = described.raw if step == 4 else described.final
+    styles: tuple[tuple[Dash, float], ...] = (("solid", 2.4), ("dash", 1.6))
+    histograms = [described.raw if step == 4 else described.final for described in (seen.a, seen.b)]
+    longest = max(float(np.max(histograms)), 1e-12)
+    for which, (dash, width) in enumerate(styles):
         marks.append(Line(panel="fan", thing=THINGS[which], role=ROLES[which], dash=dash, width=width,
-                          xy=_fan(values), answer=which == 1))  # fmt: skip
+                          xy=_fan(histograms[which], longest), answer=which == 1))  # fmt: skip
     if step >= 5:
         cut = np.argwhere(seen.a.unit > 0.2)
         if len(cut):
             marks.append(Points(panel="fan", thing="cut", role="third", marker="ring", size=9,
-                                xy=np.array([_tip(r, c, d, 0.46) for r, c, d in cut])))  # fmt: skip
+                                xy=np.array([_tip(r, c, d, 0.46 * seen.a.final[r, c, d] / longest) for r, c, d in cut])))  # fmt: skip
     return marks
 
 
-def _fan(values: Array) -> Array:
-    longest = max(float(values.max()), 1e-12)
+def _fan(values: Array, longest: float) -> Array:
     lines = []
     for (row, column, turn), value in np.ndenumerate(values):
         if value > 0.01 * longest:

@@ -184,6 +184,9 @@ class Compared:
 def _middle(photo: Array) -> Array:
     """Return the middle of a photo, grey, reduced so that the picture shows most of it."""
     grey = luma(photo)
+    short = min(grey.shape)
+    top, left = (max(0, (size - 2 * short) // 2) for size in grey.shape)
+    grey = grey[top : top + 2 * short, left : left + 2 * short]  # of a panorama only the middle
     factor = 1.3 * SIDE / min(grey.shape)
     size = (max(SIDE, round(grey.shape[1] * factor)), max(SIDE, round(grey.shape[0] * factor)))
     small = cv2.resize(grey, size, interpolation=cv2.INTER_AREA)
