@@ -46,16 +46,24 @@ def test_what_is_accepted_is_what_the_engine_accepts(ratio: float, both: bool) -
 
 
 def test_distances_are_those_of_an_exhaustive_search() -> None:
+    """Of points: features at one place are one of them, as far away as their nearest descriptors."""
     seen = judged()
-    a, b = (f.descriptors.astype(float) for f in (seen.pair.a, seen.pair.b))
-    every = np.sort(np.linalg.norm(a[:, None] - b[None], axis=2), axis=1)
-    rows = seen.nearest.matches[:, 0]
-    assert seen.nearest.distance == pytest.approx(every[rows, 0], rel=1e-5)
-    assert seen.second_distance == pytest.approx(every[rows, 1], rel=1e-5)
-    best, second = seen.nearest.matches[seen.looked_at][1], seen.second
-    first = seen.nearest.matches[seen.looked_at][0]
-    order = np.argsort(np.linalg.norm(b - a[first], axis=1))
-    assert (order[0], order[1]) == (best, second)
+    a, b = seen.pair.a, seen.pair.b
+    every = np.linalg.norm(a.descriptors[:, None].astype(float) - b.descriptors[None].astype(float), axis=2)
+    place_a, place_b = (np.unique(f.xy, axis=0, return_inverse=True)[1].ravel() for f in (a, b))
+    points = np.full((place_a.max() + 1, place_b.max() + 1), np.inf)
+    np.minimum.at(points, (place_a[:, None], place_b[None]), every)
+    ordered, order = np.sort(points, axis=1), np.argsort(points, axis=1)
+    rows = place_a[seen.nearest.matches[:, 0]]
+    assert seen.nearest.distance == pytest.approx(ordered[rows, 0], rel=1e-5)
+    assert seen.second_distance == pytest.approx(ordered[rows, 1], rel=1e-5)
+    for x, y in ((227.0, 58.0), (60.0, 200.0), (300.0, 120.0)):
+        at = judged(look_x=x, look_y=y)
+        first, best = at.nearest.matches[at.looked_at]
+        found = [place_b[best], place_b[at.second]]
+        assert points[place_a[first]][found] == pytest.approx(
+            points[place_a[first]][order[place_a[first], :2]]
+        )
 
 
 def test_counts_add_up_and_a_generous_threshold_keeps_everything_true() -> None:

@@ -36,7 +36,9 @@ THINGS = {
 }
 STEPS = (
     Step("Nearest", "Each feature of A takes the nearest descriptor of B; nothing is tested yet."),
-    Step("Two distances", "For each: how far is the nearest, and how far the second nearest?"),
+    Step(
+        "Two distances", "For each: how far is the nearest, and how far the second nearest, at another place?"
+    ),
     Step("Threshold", "Accepted is what is clearly nearer than the second: below the line."),
     Step("Verdict", "Every threshold is a point of the curve; the truth says how good each is."),
 )

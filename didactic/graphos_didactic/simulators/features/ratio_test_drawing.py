@@ -33,6 +33,11 @@ def photo_marks(seen: Judged) -> list[AnyMark]:
     ]
 
 
+def _width(count: int) -> float:
+    """Return how wide lines of so many matches are, px: many lines with an edge would hide the photos."""
+    return 1.7 if count <= 60 else 1.0
+
+
 def match_marks(seen: Judged, accepted: Array) -> list[AnyMark]:
     """Draw accepted matches as lines, true and false ones differently while the truth is shown, and missed ones."""
     found = seen.nearest.matches
@@ -48,7 +53,7 @@ def match_marks(seen: Judged, accepted: Array) -> list[AnyMark]:
         ]
     if false.any():
         marks += [
-            Line(panel="pair", thing="false", role="error", xy=lines(a[false], b[false]), width=1.7, dash="dash",
+            Line(panel="pair", thing="false", role="error", xy=lines(a[false], b[false]), width=_width(int(false.sum())), dash="dash",
                  truth=True),
             Points(panel="pair", thing="false", role="error", xy=a[false], marker="cross", size=8.0, truth=True),
         ]  # fmt: skip

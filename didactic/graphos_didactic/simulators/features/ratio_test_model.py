@@ -165,10 +165,14 @@ class Judged:
 
     @cached_property
     def second(self) -> int | None:
-        """Feature of B that is second nearest to the one looked at: the nearest when the first is left out."""
-        if self.looked_at is None or len(self.pair.b.xy) < 3:
+        """Feature of B that is second nearest to the point looked at: the nearest of all at other places."""
+        if self.looked_at is None:
             return None
         first, best = (int(i) for i in self.nearest.matches[self.looked_at])
-        rest = np.delete(self.pair.b.descriptors, best, axis=0)
-        found = int(nearest_two(self.pair.a.descriptors[first : first + 1], rest)[0][2][0])
-        return found + (found >= best)
+        a, b = self.pair.a, self.pair.b
+        elsewhere = np.flatnonzero((b.xy != b.xy[best]).any(axis=1))
+        if not len(elsewhere):
+            return None
+        here = (a.xy == a.xy[first]).all(axis=1)
+        score, _, index = nearest_two(a.descriptors[here], b.descriptors[elsewhere])[0]
+        return int(elsewhere[index[np.argmax(score)]])
