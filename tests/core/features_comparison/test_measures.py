@@ -77,3 +77,9 @@ def test_points_by_chance_repeat_as_often_as_their_density_says() -> None:
     repeated, common = repeated_points(a, b, np.eye(3))
     by_chance = 1.0 - np.exp(-3000 / 1e6 * np.pi * 1.5**2)
     assert repeated / common == pytest.approx(by_chance, rel=0.2)
+
+
+def test_one_partner_is_not_given_to_two_points() -> None:
+    a = features(np.array([[30.0, 30.0], [30.8, 30.0], [80.0, 40.0]]))
+    b = features(np.array([[50.0, 35.0], [100.0, 45.0], [150.0, 80.0]]))
+    assert repeated_points(a, b, SHIFT) == (2, 3)
