@@ -107,7 +107,7 @@ def _panels(seen: Judged, top: float) -> tuple[Panel, ...]:
               y_label="first distance d₁ [bytes]", legend="top left"),
         Panel(name="numbers", title="Counts", rect=(0.74, 0.0, 0.26, 0.62), kind="sheet"),
         Panel(name="curve", title="Every threshold", rect=(0.74, 0.62, 0.26, 0.38), x_range=(0.0, 104.0),
-              y_range=(0.0, 104.0), x_label="recall [%]", y_label="precision [%]", legend="bottom left"),
+              y_range=(0.0, 104.0), x_label="recall [%]", y_label="precision [%]", legend="top right" if seen.counts.precision < 50.0 else "bottom left"),
     )  # fmt: skip
 
 
