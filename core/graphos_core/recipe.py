@@ -9,7 +9,7 @@
     detector = "sift"
 
     [features.sift]
-    contrast = 0.03
+    contrast = 0.02
 """
 
 from __future__ import annotations
@@ -188,7 +188,7 @@ class Recipe:
         if not equals or len(parts) not in (2, 3):
             raise UserError(
                 Text("“{text}” is not an assignment.", text=assignment),
-                todo="Write room.algorithm.parameter=value, such as features.sift.contrast=0.03.",
+                todo="Write room.algorithm.parameter=value, such as features.sift.contrast=0.01.",
             )
         if len(parts) == 2:
             return self.choose(parts[0], parts[1], [n.strip() for n in text.split(",") if n.strip()])

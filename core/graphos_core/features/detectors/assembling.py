@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from graphos_core.data import Array, Features
-from graphos_core.features.detectors.point_params import PointParams
+from graphos_core.features.detectors.point_params import PointParams, points_kept
 from graphos_core.features.detectors.selection import choose
 
 WORKING_PIXELS = 1_250_000
@@ -120,10 +120,11 @@ def assemble(
     factors = np.array([width / working[1], height / working[0]])
     xy = (points.xy + 0.5) * factors - 0.5
     scale = points.scale * np.sqrt(factors.prod())
+    most = points_kept(params.maximum, width, height)
     allowed = np.arange(len(xy)) if mask is None else np.flatnonzero(_at(mask, xy))
     kept = allowed[
         choose(
-            params.selection, xy[allowed], scale[allowed], points.response[allowed], params.maximum, (width, height)
+            params.selection, xy[allowed], scale[allowed], points.response[allowed], most, (width, height)
         )
     ]  # fmt: skip
     return Features(

@@ -39,7 +39,7 @@ class SiftParams(PointParams):
             learn=LESSON,
             level="student",
         ),
-    ] = 0.03
+    ] = 0.02
     edge: Annotated[
         float,
         About(
