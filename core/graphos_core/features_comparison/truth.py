@@ -29,8 +29,10 @@ def read_homography(path: Path) -> Array:
         if path.stat().st_size > LARGEST_FILE:
             raise _wrong(path, "It is too large for a file with nine numbers.")
         text = path.read_text("utf-8")
-    except (OSError, UnicodeDecodeError) as problem:
-        raise _wrong(path, str(problem)) from problem
+    except UnicodeDecodeError as problem:
+        raise _wrong(path, "It is no text file.") from problem
+    except OSError as problem:
+        raise _wrong(path, problem.strerror or str(problem)) from problem
     structured = path.suffix.lower() in (".xml", ".yml", ".yaml", ".json") or text.lstrip().startswith(
         ("<", "%YAML")
     )

@@ -40,8 +40,11 @@ def test_a_wrong_homography_is_refused_with_the_reason(tmp_path: Path, text: str
     path.write_text(text)
     with pytest.raises(UserError, match=why):
         read_homography(path)
-    with pytest.raises(UserError, match="cannot be used"):
+    with pytest.raises(UserError, match="No such file"):
         read_homography(tmp_path / "missing.xml")
+    (tmp_path / "photo.xml").write_bytes(bytes(range(128, 256)))
+    with pytest.raises(UserError, match="no text file"):
+        read_homography(tmp_path / "photo.xml")
 
 
 def test_a_homography_of_other_photos_is_refused() -> None:
