@@ -11,6 +11,7 @@ from pathlib import Path
 from graphos_core.exchange.attitudes import ORDERS
 from graphos_core.exchange.camera_formats import CAMERA_FORMATS, OWN
 from graphos_core.exchange.conventions import CONVENTIONS
+from graphos_core.exchange.features_formats import FEATURE_FORMATS
 from graphos_core.exchange.formulas import formulas
 from graphos_core.exchange.orientation_formats import ORIENTATION_FORMATS
 from graphos_core.exchange.tie_points import TIE_POINT_FORMATS
@@ -48,6 +49,7 @@ def tables() -> dict[str, str]:
         "cameras": table(["format", "program", "written", "models"], cameras),
         "orientations": table(["format", "program", "kind", "cameras", "points", "written"], orientations),
         "tiepoints": table(["format", "what"], [[f"`{n}`", label] for n, label in TIE_POINT_FORMATS.items()]),
+        "features": table(["format", "what"], [[f"`{n}`", label] for n, label in FEATURE_FORMATS.items()]),
         "angles": table(["order", "meaning"], [[name, meaning] for name, meaning in ORDERS.items()]),
         "conventions": table(["program", "centre of the first pixel", "y", "distortion", "units", "coefficients", "pose", "source"], conventions),
     }  # fmt: skip
