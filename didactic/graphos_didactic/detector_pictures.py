@@ -55,7 +55,7 @@ def detector_scene(what: str) -> Scene:
     there, inside = mapped(_changed()[1], first.xy[shown].astype(float), (second.width, second.height))
     away, partner = cKDTree(second.xy).query(there) if len(second.xy) else (np.full(len(there), np.inf),) * 2
     again = inside & (away <= REPEATED_PX)
-    titles = (Text("{label} (solid: found again)", label=label), Text("Turned by {turn}° and {smaller} times smaller: {n} of {total} found again",
+    titles = (Text("{label} (solid: found again)", label=label), Text("{n} of {total} found again: {turn}°, {smaller}× smaller",
                           turn=f"{TURN_DEG:g}", smaller=SMALLER, n=int(again.sum()), total=len(shown)))  # fmt: skip
     images = (luma(simulated_photo()), _changed()[0])
     panels = tuple(_panel(name, title, left, 0.0, 0.5, 1.0, image) for name, title, left, image in zip(
