@@ -39,7 +39,7 @@ def test_verified_matches_of_the_door_agree_with_the_reference_orientation(data_
 
     detector, matcher, check = (find("features", name) for name in ("sift", "mutual", "usac"))
     features = detect_all(4, read, detector, detector.params(), RUN)
-    assert all(len(f.xy) == 8192 for f in features)
+    assert all(len(f.xy) == 8448 for f in features)
     pairs = match_all(features, photos.cameras * 4, (matcher, matcher.params()), (check, check.params()), RUN)
     assert all(pair.reason == "" and pair.kind == "essential" for pair in pairs)
     distances = []

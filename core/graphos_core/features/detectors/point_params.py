@@ -8,7 +8,7 @@ from graphos_core.params import About, Params
 
 LESSON = "features/selection"
 
-POINTS_PER_MILLION, FEWEST, MOST = 2750, 8192, 16_384
+POINTS_PER_MILLION, FEWEST, MOST = 2750, 8448, 16_384
 """Points kept with the automatic number: measured so that a pair of 6 Mpx has as many verified matches as others find."""
 
 
