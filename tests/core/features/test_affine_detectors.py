@@ -50,7 +50,7 @@ def right_points(a: Features, b: Features, b_from_a: np.ndarray) -> tuple[int, i
 
 @pytest.mark.parametrize(
     ("plain", "plain_params", "affine", "affine_params"),
-    [(sift, SiftParams(), asift, AsiftParams()), (msd, MsdParams(), amsd, AmsdParams(tilts=2))],
+    [(sift, SiftParams(), asift, AsiftParams()), (msd, MsdParams(threshold=50.0), amsd, AmsdParams(tilts=2))],
 )
 def test_simulated_views_match_a_photo_from_aside(plain, plain_params, affine, affine_params) -> None:  # type: ignore[no-untyped-def]
     image = texture(240, 320)
@@ -69,7 +69,7 @@ def test_without_tilts_the_plain_points_remain(name: str) -> None:
         "asift": (sift(image, image, SiftParams(maximum=100_000), run=RUN),
                   asift(image, image, AsiftParams(tilts=0, **common), run=RUN)),
         "amsd": (msd(image, image, MsdParams(maximum=100_000), run=RUN),
-                 amsd(image, image, AmsdParams(tilts=0, nms_radius=5, selection="scale", **common), run=RUN)),
+                 amsd(image, image, AmsdParams(tilts=0, nms_radius=5, threshold=20.0, selection="scale", **common), run=RUN)),
     }[name]  # fmt: skip
     np.testing.assert_allclose(affine.xy, plain.xy, atol=1e-4)
     np.testing.assert_array_equal(affine.descriptors, plain.descriptors)

@@ -25,6 +25,7 @@ class AmsdParams(AffineParams, MsdParams):
         Literal["scale", "strength", "grid", "anms"], AffineParams.declarations()["selection"].about
     ] = "strength"
     tilts: Annotated[int, AffineParams.declarations()["tilts"].about] = 3
+    threshold: Annotated[float, MsdParams.declarations()["threshold"].about] = 50.0
     nms_radius: Annotated[int, MsdParams.declarations()["nms_radius"].about] = 3
 
 

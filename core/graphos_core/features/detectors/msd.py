@@ -30,6 +30,7 @@ LESSON = "features/msd"
 class MsdParams(PointParams):
     """Parameters of maximal self-dissimilarity."""
 
+    maximum: Annotated[int, PointParams.declarations()["maximum"].about] = 16_384
     patch_radius: Annotated[
         int,
         About(
@@ -103,7 +104,7 @@ class MsdParams(PointParams):
             learn=LESSON,
             level="novice",
         ),
-    ] = 50.0
+    ] = 20.0
     neighbours: Annotated[
         int,
         About(
