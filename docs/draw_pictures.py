@@ -116,6 +116,19 @@ PICTURES = (
             "robust",
         )
     ),
+    *(
+        Picture(f"simulator_{name}", "learn", learn("simulator", f"features/{name}"))
+        for name in (
+            "scale_space",
+            "descriptor",
+            "self_dissimilarity",
+            "affine",
+            "ratio_test",
+            "sampling",
+            "coverage",
+        )
+    ),
+    Picture("simulator_decolorization", "learn", learn("simulator", "preprocessing/decolorization")),
     Picture("simulator_wallis", "learn", learn("simulator", "preprocessing/wallis")),
     Picture("lab", "learn", learn("lab", "from-photos-to-a-model")),
 )
