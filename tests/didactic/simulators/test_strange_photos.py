@@ -14,6 +14,10 @@ from graphos_didactic.simulator import Setting, find_simulator
         "features/scale_space",
         "features/descriptor",
         "features/self_dissimilarity",
+        "features/ratio_test",
+        "features/affine",
+        "features/sampling",
+        "features/coverage",
         "preprocessing/decolorization",
     ],
 )

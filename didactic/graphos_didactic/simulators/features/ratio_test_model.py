@@ -140,7 +140,8 @@ class Judged:
         if rule == "ratio":
             thresholds = THRESHOLDS
         else:
-            thresholds = np.quantile(self.nearest.distance, np.linspace(0.02, 1.0, 40)) + 1e-3
+            distances = self.nearest.distance if len(self.nearest.distance) else np.zeros(1)
+            thresholds = np.quantile(distances, np.linspace(0.02, 1.0, 40)) + 1e-3
         counts = [self.count(self.accepted_by(rule, float(t))) for t in thresholds]
         rows = np.array([[c.recall, c.precision] for c in counts])
         return rows[np.isfinite(rows).all(axis=1)]
