@@ -52,7 +52,10 @@ def best(actions: dict[str, Callable[[], object]], repetitions: int = 7) -> dict
 def sift_like(count: int, seed: int) -> Features:
     values = np.abs(np.random.default_rng(seed).normal(size=(count, 128))) ** 2
     values = np.minimum(np.rint(512 * values / np.linalg.norm(values, axis=1, keepdims=True)), 255)
-    return features(values.astype(np.uint8), np.zeros((count, 2)))
+    xy = np.random.default_rng(seed + 1000).uniform(
+        0, 3000, (count, 2)
+    )  # distinct: features at one place are one point
+    return features(values.astype(np.uint8), xy)
 
 
 def features(descriptors: np.ndarray, xy: np.ndarray) -> Features:

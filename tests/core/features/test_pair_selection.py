@@ -44,7 +44,7 @@ def strip(count: int, seen: int = 400, step: int = 120, seed: int = 0) -> list[F
         noisy = np.clip(wall[mine] + rng.normal(0, 4, (seen, 128)), 0, 255)
         zero = np.zeros(seen, np.float32)
         found.append(Features(
-            xy=np.zeros((seen, 2), np.float32), scale=(size[mine] * rng.uniform(0.95, 1.05, seen)).astype(np.float32),
+            xy=np.column_stack([mine, mine % 7]).astype(np.float32), scale=(size[mine] * rng.uniform(0.95, 1.05, seen)).astype(np.float32),
             angle=zero, response=zero, descriptors=np.rint(noisy).astype(np.uint8), colour=np.zeros((seen, 3), np.uint8),
             width=100, height=100,
         ))  # fmt: skip
