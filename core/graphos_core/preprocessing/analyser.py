@@ -65,7 +65,7 @@ class AnalyserParams(Params):
             learn=LESSON,
             level="student",
         ),
-    ] = 19_000
+    ] = 15_300
     colour_threshold: Annotated[
         float,
         About(

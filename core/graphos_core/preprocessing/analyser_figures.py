@@ -15,7 +15,8 @@ COLOUR_PIXELS = 300_000
 SPOT_SCALES = (0.8, 1.6)
 """Standard deviations of the finer Gaussian of each difference, px of the working copy."""
 SPOT_CONTRAST = 2.55
-"""Least difference of Gaussians, grey levels: 0.03/3 of the grey range, SIFT's contrast threshold through its layers."""
+"""Least difference of Gaussians, grey levels: 0.01 of the grey range, a little above what SIFT asks by default
+(its contrast threshold through its layers)."""
 WINDOW = 21
 """Window of local contrast, px of the working copy."""
 REBLUR = 9
