@@ -10,6 +10,8 @@ from graphos_didactic.simulators.usual_controls import seed_about
 
 LESSON = "features/msd"
 _ENGINE = MsdParams.declarations()
+THRESHOLD = 50.0
+"""Well above the noise of the first picture, so that its tiles are told from its marks."""
 FACTOR = float(_ENGINE["scale_factor"].default)
 """Between the levels of the pyramid."""
 MOST_LEVELS = 6
@@ -38,7 +40,7 @@ class SelfDissimilarityParams(Params):
         help=_ENGINE["neighbours"].about.help, effect=_ENGINE["neighbours"].about.effect, learn=LESSON)] = _ENGINE["neighbours"].default  # fmt: skip
     threshold: Annotated[float, About(
         label="Threshold", symbol=r"\lambda_0", unit="grey level²", low=0.0, high=2000.0, step=25.0, group="Detector",
-        help=_ENGINE["threshold"].about.help, effect=_ENGINE["threshold"].about.effect, learn=LESSON)] = _ENGINE["threshold"].default  # fmt: skip
+        help=_ENGINE["threshold"].about.help, effect=_ENGINE["threshold"].about.effect, learn=LESSON)] = THRESHOLD  # fmt: skip
     nms: Annotated[int, About(
         label="Non-maximum radius", unit="px", low=1, high=15, step=1, group="Detector",
         help=_ENGINE["nms_radius"].about.help, effect=_ENGINE["nms_radius"].about.effect, learn=LESSON)] = 5  # fmt: skip
