@@ -51,6 +51,13 @@ def test_typed_limits_never_cross_and_the_ends_lose_nothing(strip: RangeFilter) 
     assert strip.is_open
 
 
+def test_both_typed_limits_cut_off_their_side(strip: RangeFilter) -> None:
+    strip.boxes[0].setValue(2.0)
+    strip.boxes[1].setValue(5.0)
+    assert VALUES[strip.passing].min() == pytest.approx(2.0, abs=0.1)
+    assert VALUES[strip.passing].max() == pytest.approx(5.0, abs=0.1)
+
+
 @pytest.mark.parametrize("values", [[], [3.0], [2.0, 2.0, 2.0], [-1e-4, 0.0, 2e-3]])
 def test_few_equal_and_negative_values_are_shown(strip: RangeFilter, values: list[float]) -> None:
     strip.set_values(np.array(values))
